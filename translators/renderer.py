@@ -1,0 +1,122 @@
+"""The one small interface through which the harness sees a renderer.
+
+A renderer translates a Scene and renders it in the calling process; isolating it, timing it out and
+judging its image are the harness's work. A new renderer is one folder beside this file and one line
+in `registry.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosstrace.translators.ledger import Entry
+from crosstrace.translators.scene import Scene
+
+#: Called with the fraction done (0…1); an exception that it raises ends the rendering.
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Probe:
+    """Whether a renderer works on this machine.
+
+    `version` is empty where it is missing; `reason` says in a sentence why it does not work and
+    `remedy` is the command that installs it.
+    """
+
+    available: bool
+    version: str = ""
+    reason: str = ""
+    remedy: str = ""
+    details: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """The limits of a renderer; None: no limit of its own."""
+
+    max_objects: int | None = None
+    max_depth: int | None = None
+    max_pixels: int | None = None
+
+
+@dataclass(frozen=True)
+class RenderOptions:
+    """How to render; picklable, part of an image's provenance.
+
+    `threads` 0: all cores that this process may use. `readings` names another interpretation of the
+    specification (`readings.py`); only `native` takes every one. `effects` None: what the scene
+    calls for (`effects.py`). `timeout_s` bounds an external program; None: no bound. `layers` asks
+    for the side outputs of a renderer that has them.
+    """
+
+    threads: int = 0
+    readings: Mapping[str, str] = field(default_factory=dict)
+    precision: str = "f64"
+    effects: frozenset[str] | None = None
+    timeout_s: float | None = None
+    layers: bool = False
+
+
+@dataclass
+class Seconds:
+    """Wall time of the stages of one rendering, in seconds.
+
+    `startup` is what a first image of this renderer pays (imports, probing, a program's start) and
+    later ones in the same process do not; it is 0 for them.
+    """
+
+    startup: float = 0.0
+    translate: float = 0.0
+    render: float = 0.0
+
+
+@dataclass
+class Rendering:
+    """An image and how it came about.
+
+    `image` is linear RGB, (v_res, h_res, 3) float64, row 0 at the top, unclamped. `half_step` is the
+    half width of the output's quantisation on that scale (0: none). `settings` is JSON-ready.
+    `layers` are named arrays of (v_res, h_res, …).
+    """
+
+    image: NDArray[np.float64]
+    seconds: Seconds
+    half_step: float = 0.0
+    settings: dict[str, Any] = field(default_factory=dict)
+    layers: dict[str, NDArray[Any]] = field(default_factory=dict)
+    messages: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Translation:
+    """A scene in another renderer's language: file name → text, the main one first."""
+
+    files: Mapping[str, str]
+    command: str
+
+
+class Renderer(Protocol):
+    """What a folder in `translators/` offers."""
+
+    name: str
+    capabilities: Capabilities
+
+    def probe(self) -> Probe:
+        """Say whether this renderer works here, without harming the calling process."""
+
+    def ledger(self, scene: Scene) -> list[Entry]:
+        """Say what of this scene is rendered otherwise than exactly; an empty list: nothing."""
+
+    def render(
+        self, scene: Scene, options: RenderOptions, progress: Progress | None = None
+    ) -> Rendering:
+        """Render, or raise RendererMissingError, UnsupportedSceneError or RendererError."""
+
+    def translate(self, scene: Scene, options: RenderOptions) -> Translation:
+        """Write the scene in the renderer's own language, or raise UnsupportedSceneError."""
