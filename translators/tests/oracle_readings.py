@@ -1,0 +1,87 @@
+"""The oracle's readings: names, values and defaults, and what it takes each of them to mean.
+
+Where the table of readings leaves room, the oracle takes the plainest meaning:
+
+- `view=eye`: in lighting only (r·ωo); the side, the reflected and the refracted direction, and
+  `lighting_normal=facing` keep to the ray.
+- `offset=normal`: rays start at P ± ε·n, n of length 1, on the side to which they leave (n·w = 0
+  counts as the normal's side); a shadow ray then aims from there at the light, whose distance is
+  counted from there. Secondary directions do not change.
+- `offset=mitsuba`: the published rule, whose constants stand in `oracle_surfaces.py`; the primary
+  ray's near plane belongs to it, `epsilon` and `epsilon_twice` do not act.
+- `epsilon_twice`: rays start at P + 2ε.
+- `epsilon_for=shadow`: secondary rays start at P itself.
+- `depth=minus-one` never goes below 0.
+- `exhausted=background`: the rays that would have been sent each return B, total reflection's too.
+- `nesting=tracked`: every n is the absolute index of its object's inside, the world's is 1. A ray
+  carries the list of objects that it entered, empty at the eye. Entering i it goes from the last
+  entered object's index to nᵢ; leaving i, from nᵢ to the index of the last one that is not i.
+- `tir=…` with Δ < 0: kt acts as 0, and kr as itself (`ignore`), kr + kt (`add`), kr + 1
+  (`plus-one`), 1 where kr > 0 and else 0 (`needs-kr`); `always`:
+  the default rule, where kt = 0 too.
+- `inner_reflection=off`: where kt > 0 the inner side sends no reflected ray but the total one.
+- `recursion=clamp` and `scale` act on what every ray returns, the primary ray too.
+- `mix=convex`: with the kr and kt that act, thus after total reflection, at the last depth too.
+- `offset=bound` is an implementation's own and is not offered.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+CHOICES: dict[str, tuple[str, ...]] = {
+    "mix": ("additive", "convex"),
+    "plane_normal": ("normalised", "raw"),
+    "lighting_normal": ("given", "facing"),
+    "view": ("ray", "eye"),
+    "specular_gate": ("none", "lit"),
+    "glass_shadow": ("opaque", "clear"),
+    "shadow_distance": ("light", "ignored"),
+    "offset": ("direction", "normal", "mitsuba"),
+    "epsilon_twice": ("no", "yes"),
+    "epsilon_for": ("all", "shadow"),
+    "depth": ("as-given", "minus-one", "plus-one"),
+    "exhausted": ("nothing", "background"),
+    "miss": ("background", "black"),
+    "refraction": ("as-given", "inverted", "one-way"),
+    "nesting": ("relative", "tracked"),
+    "tir": ("full", "ignore", "add", "plus-one", "needs-kr", "always"),
+    "inner_reflection": ("on", "off"),
+    "recursion": ("none", "clamp", "scale"),
+    "overflow": ("scale", "clamp"),
+    "quantise": ("truncate", "round"),
+}
+
+
+@dataclass(frozen=True)
+class Readings:
+    """One value per reading; the first of its choices is the specification's."""
+
+    mix: str = "additive"
+    plane_normal: str = "normalised"
+    lighting_normal: str = "given"
+    view: str = "ray"
+    specular_gate: str = "none"
+    glass_shadow: str = "opaque"
+    shadow_distance: str = "light"
+    offset: str = "direction"
+    epsilon: float = 1e-5
+    epsilon_twice: str = "no"
+    epsilon_for: str = "all"
+    depth: str = "as-given"
+    exhausted: str = "nothing"
+    miss: str = "background"
+    refraction: str = "as-given"
+    nesting: str = "relative"
+    tir: str = "full"
+    inner_reflection: str = "on"
+    recursion: str = "none"
+    overflow: str = "scale"
+    quantise: str = "truncate"
+
+    def __post_init__(self) -> None:
+        """Take ε as text too, and refuse a value that is not in the table."""
+        object.__setattr__(self, "epsilon", float(self.epsilon))
+        for name in (item.name for item in fields(self) if item.name != "epsilon"):
+            if getattr(self, name) not in CHOICES[name]:
+                raise ValueError(f"{name}={getattr(self, name)}: expected one of {CHOICES[name]}")
