@@ -1,0 +1,39 @@
+"""The native library over the CPython limited API; its contract stands in `include/crosstrace.h`."""
+
+from collections.abc import Callable
+from typing import Any
+
+version: str
+
+class Block:
+    """One array of a parsed scene, as a read-only buffer of bytes."""
+
+def parse(
+    text: bytes | bytearray | memoryview, delivery: int = 0, /
+) -> tuple[tuple[Any, ...], None] | tuple[None, tuple[int, int, str, str]]:
+    """Return the scene tuple of `Scene.native_view()`, or (line, column, expected, found)."""
+
+def check_scene(scene: tuple[Any, ...], /) -> tuple[str, str, str] | None:
+    """Return None, or (where, expected, found) of the first number that makes no sense."""
+
+def readings() -> list[tuple[str, str, str]]:
+    """Return (name, default, values separated by |) of every reading."""
+
+def check_reading(name: str, value: str, /) -> tuple[str, str] | None:
+    """Return None, or (expected, found)."""
+
+def render(
+    scene: tuple[Any, ...],
+    settings: list[tuple[str, str]],
+    outputs: dict[str, Any],
+    progress: Callable[[float], object] | None,
+    /,
+) -> dict[str, int]:
+    """Render into the caller's arrays and return the ray counts.
+
+    `settings` are readings and precision, threads, effects, ray_budget, row_begin, row_end, as
+    texts. `outputs` maps names to C-contiguous arrays over the rendered rows: image (3 float64 a
+    pixel), object (int32), t (float64), normal (3 float64), tree (uint64), rays (uint32),
+    contributions (6 × 3 float64). Raises ValueError for a wrong setting or array, RuntimeError
+    where the tracer gave up, and whatever `progress` raised.
+    """

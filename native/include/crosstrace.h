@@ -1,0 +1,158 @@
+/* crosstrace: the native reference tracer for the course's scene format.
+ *
+ * A scene is its float64 numbers (ct_scene_view, plain data that the caller owns); text becomes a
+ * ct_scene, whose view the caller may read. Rendering borrows a view, never copies or changes it.
+ *
+ * Contracts that hold for every function here:
+ *   - nothing prints, exits, or keeps state between calls; calls on different objects may run at
+ *     the same time in different threads;
+ *   - the floating-point state of the calling thread (rounding mode, flush-to-zero) is set to the
+ *     IEEE default during the call and given back as it was;
+ *   - the same view and options give the same bits, whatever the number of threads.
+ */
+#ifndef CROSSTRACE_H
+#define CROSSTRACE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum ct_status {
+  CT_OK = 0,
+  CT_ERR_MEMORY,    /* an allocation failed */
+  CT_ERR_SCENE,     /* malformed or meaningless scene: see the ct_fault */
+  CT_ERR_OPTION,    /* unknown reading, value or precision: see the ct_fault */
+  CT_ERR_ARGUMENT,  /* a null pointer or an impossible range where one is not allowed */
+  CT_ERR_CANCELLED, /* the progress callback asked to stop */
+  CT_ERR_BUDGET,    /* the ray budget is used up */
+  CT_ERR_DEPTH,     /* a ray tree deeper than ct_max_tree_depth() */
+  CT_ERR_THREAD     /* a thread could not be started */
+} ct_status;
+
+const char *ct_status_text(ct_status status);
+const char *ct_version(void);
+
+/* ---- Scenes ---- */
+
+enum { CT_SPHERE = 0, CT_PLANE = 1 };
+enum { CT_KA, CT_KD, CT_KS, CT_ETA, CT_KR, CT_KT, CT_N, CT_MATERIAL_COLUMNS };
+enum { CT_GEOMETRY_COLUMNS = 6, CT_LIGHT_COLUMNS = 6 };
+
+/* What is wrong with a scene or an option. Lines and columns count from 1 (0: not from text);
+ * columns count characters of UTF-8. `where` names the field: "objects[3].radius". Texts end in 0. */
+typedef struct ct_fault {
+  size_t line, column;
+  char where[64];
+  char expected[160];
+  char found[96];
+} ct_fault;
+
+/* A scene as plain data, borrowed. Colours are on the scale 0..255, lengths in world units.
+ * geometry: centre, radius, 0, 0 of a sphere; point, normal of a plane. lights: colour, position.
+ * Deliveries 1 and 2 hold defaults in what their files lack (see ct_default_material). */
+typedef struct ct_scene_view {
+  int delivery; /* 1 ray casting, 2 Phong, 3 Whitted */
+  int64_t v_res, h_res;
+  double pixel_size, screen_distance;
+  double eye[3], target[3], up[3], background[3];
+  int64_t max_depth;
+  size_t n_objects, n_lights;
+  const uint8_t *kind;    /* n_objects */
+  const double *color;    /* n_objects x 3 */
+  const double *material; /* n_objects x CT_MATERIAL_COLUMNS */
+  const double *geometry; /* n_objects x CT_GEOMETRY_COLUMNS */
+  double ambient[3];
+  const double *lights; /* n_lights x CT_LIGHT_COLUMNS */
+} ct_scene_view;
+
+/* ka kd ks eta kr kt n where the delivery's files state none. */
+void ct_default_material(int delivery, double material[CT_MATERIAL_COLUMNS]);
+
+typedef struct ct_scene ct_scene;
+
+/* Reads a scene file of n_bytes (no terminating zero needed). delivery 0 tells it from the text.
+ * On CT_ERR_SCENE *fault says where and why, and *out is NULL. Time is linear in n_bytes, memory
+ * at most 10 bytes a byte of text plus a constant. */
+ct_status ct_scene_parse(const char *text, size_t n_bytes, int delivery, ct_scene **out,
+                         ct_fault *fault);
+void ct_scene_free(ct_scene *scene);
+
+/* The scene's numbers; valid until ct_scene_free. */
+ct_scene_view ct_scene_data(const ct_scene *scene);
+
+/* Checks a view that was not parsed: the same rules, with fault->where naming the field. */
+ct_status ct_scene_check(const ct_scene_view *view, ct_fault *fault);
+
+/* ---- Options ---- */
+
+typedef struct ct_options ct_options;
+
+/* Bits of an effect mask: what the tracer is to compute. */
+enum {
+  CT_FLAT = 1 << 0,
+  CT_AMBIENT = 1 << 1,
+  CT_DIFFUSE = 1 << 2,
+  CT_SPECULAR = 1 << 3,
+  CT_SHADOWS = 1 << 4,
+  CT_REFLECTION = 1 << 5,
+  CT_REFRACTION = 1 << 6,
+  CT_TOTAL_REFLECTION = 1 << 7,
+  CT_ALL_EFFECTS = 0xff
+};
+
+ct_options *ct_options_new(void); /* the defaults of the design; NULL: no memory */
+void ct_options_free(ct_options *options);
+
+/* A reading is a named alternative meaning of the specification, such as "tir", "ignore". Numeric
+ * readings ("epsilon") take a decimal. CT_ERR_OPTION fills *fault (expected, found). */
+ct_status ct_options_set(ct_options *options, const char *name, const char *value,
+                         ct_fault *fault);
+ct_status ct_options_set_precision(ct_options *options, const char *name, ct_fault *fault);
+void ct_options_set_effects(ct_options *options, unsigned mask);
+void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
+void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
+/* Renders rows [begin, end) only; outputs then start at row begin. end 0: to the last row. */
+void ct_options_set_rows(ct_options *options, int64_t begin, int64_t end);
+
+/* The table of readings, index from 0; NULL past the end. `values` are separated by '|'. */
+const char *ct_reading_name(size_t index);
+const char *ct_reading_default(size_t index);
+const char *ct_reading_values(size_t index);
+
+/* ---- Rendering ---- */
+
+enum { CT_CONTRIBUTIONS = 6 }; /* base, diffuse, specular, reflection, refraction, total refl. */
+
+/* Where results go, row 0 at the top, channels red green blue; every pointer may be NULL.
+ * `contributions` splits a pixel's value at its first hit; base is the flat colour, the ambient
+ * term or the background. Its six terms add up to the image, but for rounding. */
+typedef struct ct_outputs {
+  double *image;         /* rows x h_res x 3, linear, unclamped */
+  int32_t *object;       /* rows x h_res: index of the first object hit, -1: none */
+  double *t_world;       /* rows x h_res: distance to that hit, infinity: none */
+  double *normal;        /* rows x h_res x 3: unit normal as in the file, 0 0 0: none */
+  uint64_t *tree;        /* rows x h_res: hash of the ray tree's decisions, not of its numbers */
+  uint32_t *rays;        /* rows x h_res: rays of every kind traced for the pixel */
+  double *contributions; /* rows x h_res x CT_CONTRIBUTIONS x 3 */
+} ct_outputs;
+
+typedef struct ct_stats {
+  uint64_t n_primary, n_shadow, n_reflected, n_refracted;
+  unsigned n_threads;
+} ct_stats;
+
+/* Called from the rendering thread's caller about every 50 ms; a value other than 0 stops. */
+typedef int (*ct_progress)(void *user, uint64_t pixels_done, uint64_t pixels_total);
+
+ct_status ct_render(const ct_scene_view *view, const ct_options *options,
+                    const ct_outputs *outputs, ct_progress progress, void *user, ct_stats *stats);
+
+uint64_t ct_max_tree_depth(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,23 @@
+/* What is decided once per frame, in the widest type: camera basis, unit normals, and which
+ * surfaces the eye lies on. Every precision and the set-valued kernel start from it. Internal. */
+#ifndef CT_FRAME_H
+#define CT_FRAME_H
+
+#include "options.h"
+#include "wide.h"
+
+typedef struct ct_frame {
+  ct_scene_view view;
+  const ct_options *options;
+  ct_wide u[3], v[3], w[3]; /* specification 2.3 */
+  size_t n_planes;
+  uint32_t *plane_slot;   /* n_objects; meaningful where kind is CT_PLANE */
+  ct_wide *plane_normal;  /* n_planes x 3, unit */
+  uint8_t *eye_on;        /* n_objects: 1 where the eye lies on the surface */
+  int64_t max_depth;
+} ct_frame;
+
+ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_options *options);
+void ct_frame_close(ct_frame *frame);
+
+#endif

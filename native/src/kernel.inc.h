@@ -1,0 +1,87 @@
+/* The tracing kernel of one precision: the includer defines the scalar type (real_*.h) and picks
+ * the primitives; this text defines FN(ct_kernel_open), FN(ct_kernel_pixel), FN(ct_kernel_close).
+ */
+#include <stdlib.h>
+
+#include "kernel.h"
+#include "vector.inc.h"
+#include CT_PRIMITIVES
+#include "trace.inc.h"
+
+static ct_status FN(open)(const ct_frame *frame, void **out) {
+  WORLD *world = calloc(1, sizeof *world);
+  if (!world) return CT_ERR_MEMORY;
+  world->plane_normal = malloc((frame->n_planes + 1) * sizeof *world->plane_normal);
+  if (!world->plane_normal) {
+    free(world);
+    return CT_ERR_MEMORY;
+  }
+  for (size_t i = 0; i < frame->n_planes; i++)
+    world->plane_normal[i] = v_load_wide(frame->plane_normal + 3 * i);
+  world->frame = frame;
+  world->view = &frame->view;
+  world->choice = frame->options->choice;
+  world->effects = frame->options->effects;
+  world->u = v_load_wide(frame->u);
+  world->v = v_load_wide(frame->v);
+  world->w = v_load_wide(frame->w);
+  world->eye = v_load(frame->view.eye);
+  world->epsilon = from_double(frame->options->epsilon);
+  int twice = frame->options->choice[CT_EPSILON_TWICE];
+  world->t_min = from_double(twice ? frame->options->epsilon : 0);
+  world->shadow_min = larger(world->t_min, from_double(frame->options->shadow_min));
+  world->far = from_double(frame->options->far);
+  world->has_far = frame->options->far > 0;
+  *out = world;
+  return CT_OK;
+}
+
+static void FN(close)(void *opaque) {
+  WORLD *world = opaque;
+  free(world->plane_normal);
+  free(world);
+}
+
+/* The ray through the centre of pixel (row, column) (specification 2.3). */
+static RAY FN(primary)(const WORLD *world, int64_t row, int64_t column) {
+  const ct_scene_view *v = world->view;
+  REAL s = from_double(v->pixel_size);
+  /* Halves of integers: exact in every type. */
+  REAL x = mul(s, from_double((double)column - (double)v->h_res / 2 + 0.5));
+  REAL y = neg(mul(s, from_double((double)row - (double)v->v_res / 2 + 0.5)));
+  VEC way = v_sub(v_add(v_scale(x, world->u), v_scale(y, world->v)),
+                  v_scale(from_double(v->screen_distance), world->w));
+  RAY ray = {world->eye, v_over(way, v_length(way)), 0, 1, NULL};
+  if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
+    REAL forward = neg(v_dot(ray.direction, world->w));
+    ray.origin = v_along(ray.origin, quo(from_double(MITSUBA_NEAR), forward), ray.direction);
+  }
+  return ray;
+}
+
+static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel *pixel) {
+  const WORLD *world = opaque;
+  RAY ray = FN(primary)(world, row, column);
+  SPLIT split;
+  ct_medium around[CT_MEDIA_AROUND_EYE];
+  if (world->choice[CT_NESTING] == CT_NESTING_TRACKED)
+    ray.medium = ct_media_around_eye(world->view, around);
+  VEC color = FN(trace)(world, pixel, &ray, &split, &pixel->tree);
+  v_store(color, pixel->color);
+  if (pixel->wants_contributions) {
+    v_store(split.base, pixel->contributions);
+    v_store(split.diffuse, pixel->contributions + 3);
+    v_store(split.specular, pixel->contributions + 6);
+    v_store(split.reflection, pixel->contributions + 9);
+    v_store(split.refraction, pixel->contributions + 12);
+    v_store(split.total_reflection, pixel->contributions + 15);
+  }
+  if (pixel->wants_hit) {
+    HIT hit = FN(nearest)(world, &ray);
+    pixel->object = (int32_t)hit.object;
+    pixel->t_world = hit.object >= 0 ? to_double(hit.t) : (double)INFINITY;
+    v_store(hit.object >= 0 ? hit.normal : v_zero(), pixel->normal);
+  }
+}
+
+const ct_kernel FN(ct_kernel) = {FN(open), FN(close), FN(pixel)};

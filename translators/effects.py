@@ -1,0 +1,86 @@
+"""Which effects a Scene calls for, object by object, so that a renderer is given only those.
+
+The names are the steps of the specification: `flat` (delivery 1), the three terms of 3.2 (`ambient`,
+`diffuse`, `specular`), `shadows` (3.2), `reflection` and `refraction` (4.1, 4.2), and
+`total_reflection` (the end of 4.2). An effect is called for where the scene's numbers let it change
+a pixel: a specular term needs ks > 0 and a light that is not black, a reflection needs kr > 0 and a
+depth that allows a secondary ray.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosstrace.translators.scene import KA, KD, KR, KS, KT, N, Scene
+
+#: In the order of the bits of a mask.
+EFFECTS = (
+    "flat", "ambient", "diffuse", "specular",
+    "shadows", "reflection", "refraction", "total_reflection",
+)  # fmt: skip
+
+BIT = {name: 1 << i for i, name in enumerate(EFFECTS)}
+
+
+@dataclass(frozen=True)
+class SceneEffects:
+    """Masks of `BIT`: `overall` for the scene, `objects` (n,) uint16 for each object."""
+
+    overall: int
+    objects: NDArray[np.uint16]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The scene's effects by name."""
+        return names(self.overall)
+
+
+def names(mask: int) -> tuple[str, ...]:
+    """Return the names in a mask, in the order of `EFFECTS`."""
+    return tuple(name for name in EFFECTS if mask & BIT[name])
+
+
+def mask(effect_names: frozenset[str] | tuple[str, ...]) -> int:
+    """Return the mask of some effect names; KeyError for an unknown one."""
+    return sum(BIT[name] for name in set(effect_names))
+
+
+def effects(scene: Scene, readings: Mapping[str, str] | None = None) -> SceneEffects:
+    """Work out the effects of a scene, under readings of the specification where any are given."""
+    n = len(scene)
+    if scene.delivery == 1:
+        return SceneEffects(BIT["flat"] if n else 0, np.full(n, BIT["flat"], np.uint16))
+    material, color = scene.material, scene.color
+    light = scene.lights[:, :3].max(axis=0, initial=0.0)
+    readings = readings or {}
+    depth = scene.max_depth + _DEPTH_SHIFT.get(readings.get("depth", ""), 0)
+    tir = readings.get("tir", "")
+
+    ambient = (material[:, KA] > 0) & ((color > 0) & (scene.ambient > 0)).any(axis=1)
+    diffuse = (material[:, KD] > 0) & ((color > 0) & (light > 0)).any(axis=1)
+    specular = (material[:, KS] > 0) & bool((light > 0).any())
+    # An exhausted ray that returns the background shows the coefficients even at depth 0.
+    secondary = depth > 0 or readings.get("exhausted") == "background"
+    bends = material[:, N] != 1.0
+    transparent = material[:, KT] > 0
+    totally = {"ignore": np.zeros(n, bool), "always": bends}.get(tir, transparent & bends)
+    called_for = {
+        "ambient": ambient,
+        "diffuse": diffuse,
+        "specular": specular,
+        "shadows": diffuse | specular,
+        "reflection": (material[:, KR] > 0) & secondary,
+        "refraction": transparent & secondary,
+        "total_reflection": totally & secondary,
+    }
+    objects = np.zeros(n, np.uint16)
+    for name, where in called_for.items():
+        objects[where] |= BIT[name]
+    return SceneEffects(int(np.bitwise_or.reduce(objects, initial=0)), objects)
+
+
+_DEPTH_SHIFT = {"minus-one": -1, "plus-one": 1}

@@ -1,0 +1,94 @@
+"""The native lane: the C reference tracer of this project, in double."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from crosstrace.native import _core
+from crosstrace.translators import readings as readings_of_the_specification
+from crosstrace.translators.effects import effects, mask
+from crosstrace.translators.errors import RendererError, UnsupportedSceneError
+from crosstrace.translators.ledger import Entry
+from crosstrace.translators.renderer import (
+    Capabilities,
+    Probe,
+    Progress,
+    Rendering,
+    RenderOptions,
+    Seconds,
+    Translation,
+)
+from crosstrace.translators.scene import Scene
+
+#: The terms of `contributions`, in order: they add up to the image.
+CONTRIBUTIONS = ("base", "diffuse", "specular", "reflection", "refraction", "total_reflection")
+
+
+class Native:
+    """The C11 tracer: Whitted's algorithm in double, every reading, side outputs on request."""
+
+    name = "native"
+    capabilities = Capabilities(max_pixels=2**29)
+
+    def probe(self) -> Probe:
+        """Report the library that this package was built with."""
+        return Probe(True, _core.version)
+
+    def ledger(self, scene: Scene) -> list[Entry]:
+        """Declare the arithmetic, the only thing that is not exact."""
+        bound = "double arithmetic, relative error a few units of 2^-53 for each operation"
+        return [Entry("arithmetic", bound, "approximated")]
+
+    def translate(self, scene: Scene, options: RenderOptions) -> Translation:
+        """Write the scene in the course's format, which is the native tracer's own."""
+        from crosstrace.translators.course import dumps
+
+        return Translation({"scene.txt": dumps(scene)}, "crosstrace render scene.txt -o scene.png")
+
+    def render(
+        self, scene: Scene, options: RenderOptions, progress: Progress | None = None
+    ) -> Rendering:
+        """Render in threads; `options.layers` adds object, t, normal, tree, rays, contributions.
+
+        Raises UsageError for a reading that does not exist, RendererError where the ray budget is
+        used up, UnsupportedSceneError for an image beyond memory, and lets KeyboardInterrupt
+        through within a fraction of a second.
+        """
+        readings_of_the_specification.check(options.readings)
+        started = time.perf_counter()
+        n_pixels = scene.v_res * scene.h_res
+        if n_pixels > (self.capabilities.max_pixels or n_pixels):
+            raise UnsupportedSceneError(f"native: {n_pixels} pixels are more than one image holds")
+        called_for = options.effects
+        wanted = effects(scene, options.readings).overall if called_for is None else mask(called_for)
+        outputs = _outputs(scene, options.layers)
+        settings = [*options.readings.items(), ("precision", options.precision),
+                    ("threads", str(options.threads)), ("effects", str(wanted))]  # fmt: skip
+        translated = time.perf_counter()
+        try:
+            rays = _core.render(scene.native_view(), settings, outputs, progress)
+        except (RuntimeError, ValueError) as error:
+            raise RendererError(f"native: {error}") from None
+        seconds = Seconds(0.0, translated - started, time.perf_counter() - translated)
+        record: dict[str, Any] = {"precision": options.precision, "rays": rays,
+                                  "readings": dict(options.readings)}  # fmt: skip
+        image = outputs.pop("image")
+        return Rendering(image, seconds, settings=record, layers=outputs)
+
+
+def _outputs(scene: Scene, with_layers: bool) -> dict[str, Any]:
+    rows, columns = scene.v_res, scene.h_res
+    outputs: dict[str, Any] = {"image": np.empty((rows, columns, 3))}
+    if with_layers:
+        outputs |= {
+            "object": np.empty((rows, columns), np.int32),
+            "t": np.empty((rows, columns)),
+            "normal": np.empty((rows, columns, 3)),
+            "tree": np.empty((rows, columns), np.uint64),
+            "rays": np.empty((rows, columns), np.uint32),
+            "contributions": np.empty((rows, columns, len(CONTRIBUTIONS), 3)),
+        }
+    return outputs
