@@ -112,14 +112,11 @@ def nearest(
     for i, (t, surely, ahead) in enumerate(found):
         relevant = (ahead <= best) & np.isfinite(ahead)
         margin = np.where(relevant, np.minimum(margin, surely), margin)
-        for j in range(i):
-            if things[i].shape != things[j].shape:
-                first = np.minimum(t, found[j][0]) <= best * (1 + 1e-6)
-                both = np.isfinite(t) & np.isfinite(found[j][0]) & first
-                gap = np.abs(np.where(both, t, 0) - np.where(both, found[j][0], 0)) / _scale(
-                    o, best
-                )
-                margin = np.where(both, np.minimum(margin, gap), margin)
+        # Another thing as near as the nearest is an edge, but not a twin of it: that tie is decided.
+        twins = [j for j, thing in enumerate(things) if thing.shape == things[i].shape]
+        rival = np.isfinite(t) & ~np.isin(index, twins)
+        gap = np.where(rival, t, 0) - np.where(rival, best, 0)
+        margin = np.where(rival, np.minimum(margin, gap / _scale(o, best)), margin)
     return index, best, margin
 
 
