@@ -46,7 +46,7 @@ static ct_status read_numbers(reader *r, const char *what, ct_rule rule, double 
 static ct_status read_integer(reader *r, const char *what, ct_rule rule, int64_t *value) {
   double number = 0;
   ct_status status = read_number(r, what, rule, &number);
-  *value = (int64_t)number;
+  if (!status) *value = (int64_t)number; /* in range: the rule has been kept */
   return status;
 }
 
@@ -60,12 +60,12 @@ static ct_status read_header(reader *r, ct_scene_view *v) {
     return status;
   ct_lexer at_target = r->lexer;
   if ((status = read_numbers(r, "the target L", CT_RULE_FINITE, v->target, 3))) return status;
+  const char *expected = ct_target_breach(v->eye, v->target);
+  if (expected) return ct_lexer_refuse(&at_target, r->fault, "target", expected);
   ct_lexer at_up = r->lexer;
   if ((status = read_numbers(r, "up", CT_RULE_FINITE, v->up, 3))) return status;
-  const char *field, *expected = ct_camera_breach(v, &field);
-  if (expected)
-    return ct_lexer_refuse(strcmp(field, "up") == 0 ? &at_up : &at_target, r->fault, field,
-                           expected);
+  expected = ct_up_breach(v->eye, v->target, v->up);
+  if (expected) return ct_lexer_refuse(&at_up, r->fault, "up", expected);
   return read_numbers(r, "the background colour", CT_RULE_COLOR, v->background, 3);
 }
 

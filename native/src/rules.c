@@ -62,14 +62,13 @@ static int is_parallel(const double eye[3], const double target[3], const double
   return 1;
 }
 
-const char *ct_camera_breach(const ct_scene_view *view, const char **field) {
-  const double *e = view->eye, *l = view->target, *up = view->up;
-  *field = "target";
-  if (e[0] == l[0] && e[1] == l[1] && e[2] == l[2]) return "a target L other than the eye E";
-  *field = "up";
+const char *ct_target_breach(const double e[3], const double l[3]) {
+  return e[0] == l[0] && e[1] == l[1] && e[2] == l[2] ? "a target L other than the eye E" : NULL;
+}
+
+const char *ct_up_breach(const double eye[3], const double target[3], const double up[3]) {
   if (up[0] == 0 && up[1] == 0 && up[2] == 0) return "an up vector other than 0 0 0";
-  if (is_parallel(e, l, up)) return "an up vector that is not parallel to the view";
-  return NULL;
+  return is_parallel(eye, target, up) ? "an up vector that is not parallel to the view" : NULL;
 }
 
 const char *ct_index_breach(double kt, double n) {

@@ -62,6 +62,14 @@ static ct_status check(ct_rule rule, const double *values, size_t n, const char 
   return CT_OK;
 }
 
+static ct_status refuse_triple(ct_fault *fault, const char *where, const char *expected,
+                               const double v[3]) {
+  char found[96];
+  snprintf(found, sizeof found, "%.6g %.6g %.6g", v[0], v[1], v[2]);
+  ct_fault_set(fault, where, expected, found);
+  return CT_ERR_SCENE;
+}
+
 static ct_status check_camera(const ct_scene_view *v, ct_fault *fault) {
   double sides[2] = {(double)v->v_res, (double)v->h_res}, depth = (double)v->max_depth;
   ct_status status;
@@ -84,13 +92,10 @@ static ct_status check_camera(const ct_scene_view *v, ct_fault *fault) {
     ct_fault_number(fault, "max_depth", "0, as deliveries 1 and 2 have no secondary rays", depth);
     return CT_ERR_SCENE;
   }
-  const char *field, *expected = ct_camera_breach(v, &field);
-  if (!expected) return CT_OK;
-  const double *u = strcmp(field, "up") == 0 ? v->up : v->target;
-  char found[96];
-  snprintf(found, sizeof found, "%.6g %.6g %.6g", u[0], u[1], u[2]);
-  ct_fault_set(fault, field, expected, found);
-  return CT_ERR_SCENE;
+  const char *expected = ct_target_breach(v->eye, v->target);
+  if (expected) return refuse_triple(fault, "target", expected, v->target);
+  expected = ct_up_breach(v->eye, v->target, v->up);
+  return expected ? refuse_triple(fault, "up", expected, v->up) : CT_OK;
 }
 
 /* The columns of a material from which the delivery's files lack a value. */

@@ -26,7 +26,8 @@ typedef enum ct_rule {
 const char *ct_rule_breach(ct_rule rule, double value);
 
 /* Checks across fields. Each returns NULL or what was expected. */
-const char *ct_camera_breach(const ct_scene_view *view, const char **field);
+const char *ct_target_breach(const double eye[3], const double target[3]);
+const char *ct_up_breach(const double eye[3], const double target[3], const double up[3]);
 const char *ct_index_breach(double kt, double n);
 
 void ct_fault_set(ct_fault *fault, const char *where, const char *expected, const char *found);
