@@ -30,7 +30,9 @@ def load(path: str | Path, delivery: int | None = None) -> Scene:
     try:
         text = Path(path).read_bytes()
     except OSError as error:
-        raise UsageError(f"{path}: expected a readable scene file, found: {error.strerror}") from None
+        raise UsageError(
+            f"{path}: expected a readable scene file, found: {error.strerror}"
+        ) from None
     return parse(text, path=str(path), delivery=delivery)
 
 
@@ -40,7 +42,7 @@ def parse(text: bytes | str, path: str = "<scene>", delivery: int | None = None)
     if delivery not in (None, 1, 2, 3):
         raise UsageError(f"expected delivery 1, 2 or 3, found {delivery!r}")
     fields, fault = _core.parse(data, delivery or 0)
-    if fields is None:
+    if fault is not None:
         raise SceneError(path, *fault)
     (delivery, v_res, h_res, pixel_size, distance, eye, target, up, background, max_depth,
      kind, color, material, geometry, ambient, lights) = fields  # fmt: skip

@@ -1,7 +1,7 @@
 """Which effects a Scene calls for, object by object, so that a renderer is given only those.
 
-The names are the steps of the specification: `flat` (delivery 1), the three terms of 3.2 (`ambient`,
-`diffuse`, `specular`), `shadows` (3.2), `reflection` and `refraction` (4.1, 4.2), and
+The names are the steps of the specification: `flat` (delivery 1), the three terms of 3.2
+(`ambient`, `diffuse`, `specular`), `shadows` (3.2), `reflection` and `refraction` (4.1, 4.2), and
 `total_reflection` (the end of 4.2). An effect is called for where the scene's numbers let it change
 a pixel: a specular term needs ks > 0 and a light that is not black, a reflection needs kr > 0 and a
 depth that allows a secondary ray.

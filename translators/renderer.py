@@ -80,8 +80,8 @@ class Seconds:
 class Rendering:
     """An image and how it came about.
 
-    `image` is linear RGB, (v_res, h_res, 3) float64, row 0 at the top, unclamped. `half_step` is the
-    half width of the output's quantisation on that scale (0: none). `settings` is JSON-ready.
+    `image` is linear RGB, (v_res, h_res, 3) float64, row 0 at the top, unclamped. `half_step` is
+    the half width of the output's quantisation on that scale (0: none). `settings` is JSON-ready.
     `layers` are named arrays of (v_res, h_res, …).
     """
 

@@ -192,7 +192,7 @@ class Scene:
     @property
     def is_sphere(self) -> NDArray[np.bool_]:
         """Which objects are spheres, (n,)."""
-        return self.kind == SPHERE
+        return np.equal(self.kind, SPHERE)
 
     def __eq__(self, other: object) -> bool:
         """Equal to the last bit of every number; −0 and 0 are told apart."""
@@ -214,6 +214,7 @@ class Scene:
 
 
 def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    view = array.view()
-    view.flags.writeable = False
-    return view
+    # What somebody can still write to is copied, so that a validated number stays as it was.
+    own = array.copy() if array.flags.writeable else array
+    own.flags.writeable = False
+    return own

@@ -63,7 +63,9 @@ class Native:
         if n_pixels > (self.capabilities.max_pixels or n_pixels):
             raise UnsupportedSceneError(f"native: {n_pixels} pixels are more than one image holds")
         called_for = options.effects
-        wanted = effects(scene, options.readings).overall if called_for is None else mask(called_for)
+        wanted = (
+            effects(scene, options.readings).overall if called_for is None else mask(called_for)
+        )
         outputs = _outputs(scene, options.layers)
         settings = [*options.readings.items(), ("precision", options.precision),
                     ("threads", str(options.threads)), ("effects", str(wanted))]  # fmt: skip
