@@ -42,8 +42,8 @@ def parse(text: bytes | str, path: str = "<scene>", delivery: int | None = None)
     if delivery not in (None, 1, 2, 3):
         raise UsageError(f"expected delivery 1, 2 or 3, found {delivery!r}")
     fields, fault = _core.parse(data, delivery or 0)
-    if fault is not None:
-        raise SceneError(path, *fault)
+    if fields is None:
+        raise SceneError(path, *(fault or (0, 0, "a scene", "nothing")))
     (delivery, v_res, h_res, pixel_size, distance, eye, target, up, background, max_depth,
      kind, color, material, geometry, ambient, lights) = fields  # fmt: skip
     return Scene(

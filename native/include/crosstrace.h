@@ -16,6 +16,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* The library is built with hidden visibility; only what carries this mark is exported. */
+#if defined(__GNUC__)
+#define CT_API __attribute__((visibility("default")))
+#else
+#define CT_API
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -32,8 +39,8 @@ typedef enum ct_status {
   CT_ERR_THREAD     /* a thread could not be started */
 } ct_status;
 
-const char *ct_status_text(ct_status status);
-const char *ct_version(void);
+CT_API const char *ct_status_text(ct_status status);
+CT_API const char *ct_version(void);
 
 /* ---- Scenes ---- */
 
@@ -69,22 +76,22 @@ typedef struct ct_scene_view {
 } ct_scene_view;
 
 /* ka kd ks eta kr kt n where the delivery's files state none. */
-void ct_default_material(int delivery, double material[CT_MATERIAL_COLUMNS]);
+CT_API void ct_default_material(int delivery, double material[CT_MATERIAL_COLUMNS]);
 
 typedef struct ct_scene ct_scene;
 
 /* Reads a scene file of n_bytes (no terminating zero needed). delivery 0 tells it from the text.
  * On CT_ERR_SCENE *fault says where and why, and *out is NULL. Time is linear in n_bytes, memory
  * at most 10 bytes a byte of text plus a constant. */
-ct_status ct_scene_parse(const char *text, size_t n_bytes, int delivery, ct_scene **out,
+CT_API ct_status ct_scene_parse(const char *text, size_t n_bytes, int delivery, ct_scene **out,
                          ct_fault *fault);
-void ct_scene_free(ct_scene *scene);
+CT_API void ct_scene_free(ct_scene *scene);
 
 /* The scene's numbers; valid until ct_scene_free. */
-ct_scene_view ct_scene_data(const ct_scene *scene);
+CT_API ct_scene_view ct_scene_data(const ct_scene *scene);
 
 /* Checks a view that was not parsed: the same rules, with fault->where naming the field. */
-ct_status ct_scene_check(const ct_scene_view *view, ct_fault *fault);
+CT_API ct_status ct_scene_check(const ct_scene_view *view, ct_fault *fault);
 
 /* ---- Options ---- */
 
@@ -103,24 +110,24 @@ enum {
   CT_ALL_EFFECTS = 0xff
 };
 
-ct_options *ct_options_new(void); /* the defaults of the design; NULL: no memory */
-void ct_options_free(ct_options *options);
+CT_API ct_options *ct_options_new(void); /* the defaults of the design; NULL: no memory */
+CT_API void ct_options_free(ct_options *options);
 
 /* A reading is a named alternative meaning of the specification, such as "tir", "ignore". Numeric
  * readings ("epsilon") take a decimal. CT_ERR_OPTION fills *fault (expected, found). */
-ct_status ct_options_set(ct_options *options, const char *name, const char *value,
+CT_API ct_status ct_options_set(ct_options *options, const char *name, const char *value,
                          ct_fault *fault);
-ct_status ct_options_set_precision(ct_options *options, const char *name, ct_fault *fault);
-void ct_options_set_effects(ct_options *options, unsigned mask);
-void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
-void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
+CT_API ct_status ct_options_set_precision(ct_options *options, const char *name, ct_fault *fault);
+CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
+CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
+CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
 /* Renders rows [begin, end) only; outputs then start at row begin. end 0: to the last row. */
-void ct_options_set_rows(ct_options *options, int64_t begin, int64_t end);
+CT_API void ct_options_set_rows(ct_options *options, int64_t begin, int64_t end);
 
 /* The table of readings, index from 0; NULL past the end. `values` are separated by '|'. */
-const char *ct_reading_name(size_t index);
-const char *ct_reading_default(size_t index);
-const char *ct_reading_values(size_t index);
+CT_API const char *ct_reading_name(size_t index);
+CT_API const char *ct_reading_default(size_t index);
+CT_API const char *ct_reading_values(size_t index);
 
 /* ---- Rendering ---- */
 
@@ -147,10 +154,10 @@ typedef struct ct_stats {
 /* Called from the rendering thread's caller about every 50 ms; a value other than 0 stops. */
 typedef int (*ct_progress)(void *user, uint64_t pixels_done, uint64_t pixels_total);
 
-ct_status ct_render(const ct_scene_view *view, const ct_options *options,
+CT_API ct_status ct_render(const ct_scene_view *view, const ct_options *options,
                     const ct_outputs *outputs, ct_progress progress, void *user, ct_stats *stats);
 
-uint64_t ct_max_tree_depth(void);
+CT_API uint64_t ct_max_tree_depth(void);
 
 #ifdef __cplusplus
 }
