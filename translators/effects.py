@@ -63,8 +63,9 @@ def effects(scene: Scene, readings: Mapping[str, str] | None = None) -> SceneEff
     ambient = (material[:, KA] > 0) & ((color > 0) & (scene.ambient > 0)).any(axis=1)
     diffuse = (material[:, KD] > 0) & ((color > 0) & (light > 0)).any(axis=1)
     specular = (material[:, KS] > 0) & bool((light > 0).any())
-    # An exhausted ray that returns the background shows the coefficients even at depth 0.
-    secondary = depth > 0 or readings.get("exhausted") == "background"
+    # These readings show the coefficients of secondary rays even where none is sent.
+    shown = readings.get("exhausted") == "background" or readings.get("mix") == "convex"
+    secondary = depth > 0 or shown
     bends = material[:, N] != 1.0
     transparent = material[:, KT] > 0
     totally = {"ignore": np.zeros(n, bool), "always": bends}.get(tir, transparent & bends)

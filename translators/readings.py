@@ -1,6 +1,26 @@
 """Readings: other interpretations of the specification, by name, as the native tracer knows them.
 
 The table of names, values and defaults stands once, in the native part (`native/src/options.c`).
+What a name leaves open is settled here:
+
+- ``view=eye`` changes r·ωo alone; side, reflection and refraction keep to the ray.
+- ``lighting_normal=facing`` flips n in n·l and r alone.
+- ``offset=normal`` starts at P ± ε·n, on the side to which the ray leaves; a shadow ray aims at the
+  light from there. ``offset=bound`` takes a bound of the rounding of P for ε there, and
+  ``offset=mitsuba`` Mitsuba's rule, near plane included.
+- ``epsilon_twice=yes`` is 2ε. ``epsilon_for=shadow`` lets secondary rays start at P itself.
+- ``depth=minus-one`` never goes below 0.
+- ``exhausted=background``: each ray that is not sent for want of depth returns B.
+- ``refraction=one-way`` takes n on both sides, ``inverted`` 1/n outside and n inside.
+- ``nesting=tracked``: every n is absolute, the world's is 1, and a ray is in the object that it
+  entered last and has not left; the eye is in the transparent objects that contain it.
+- ``tir=…`` where Δ < 0, with kt as 0: kr stays (``ignore``), becomes kr + kt (``add``), kr + 1
+  (``plus-one``), 1 where kr > 0 (``needs-kr``); ``always`` applies the default where kt = 0 too.
+- ``inner_reflection=off``: glass reflects inside only totally.
+- ``recursion=…`` acts on what every ray returns, the primary ray too.
+- ``mix=convex`` takes the kr and kt that act, thus after total reflection.
+- ``shadow_min`` and ``far`` are limits of other renderers: a blocker at or nearer than the one, and
+  any hit beyond the other, do not exist (world units; 0: no limit).
 """
 
 from __future__ import annotations

@@ -26,10 +26,9 @@ static ct_status FN(open)(const ct_frame *frame, void **out) {
   world->v = v_load_wide(frame->v);
   world->w = v_load_wide(frame->w);
   world->eye = v_load(frame->view.eye);
-  world->epsilon = from_double(frame->options->epsilon);
   int twice = frame->options->choice[CT_EPSILON_TWICE];
-  world->t_min = from_double(twice ? frame->options->epsilon : 0);
-  world->shadow_min = larger(world->t_min, from_double(frame->options->shadow_min));
+  world->epsilon = mul(from_double(twice ? 2 : 1), from_double(frame->options->epsilon));
+  world->shadow_min = from_double(frame->options->shadow_min);
   world->far = from_double(frame->options->far);
   world->has_far = frame->options->far > 0;
   *out = world;

@@ -13,7 +13,7 @@ typedef struct FN(world) {
   unsigned effects;
   VEC *plane_normal; /* unit, in this type */
   VEC u, v, w, eye;
-  REAL epsilon, t_min, shadow_min, far;
+  REAL epsilon, shadow_min, far;
   int has_far;
 } FN(world);
 #define WORLD FN(world)
@@ -61,9 +61,10 @@ static inline REAL object_nearest(const WORLD *world, size_t i, VEC origin, VEC 
 
 static HIT FN(nearest)(const WORLD *world, const RAY *ray) {
   HIT hit = {.object = -1};
+  REAL zero = from_double(0);
   for (size_t i = 0; i < world->view->n_objects; i++) {
-    REAL t = object_nearest(world, i, ray->origin, ray->direction, ray->primary, world->t_min);
-    if (!less(from_double(0), t) || (world->has_far && less(world->far, t))) continue;
+    REAL t = object_nearest(world, i, ray->origin, ray->direction, ray->primary, zero);
+    if (!less(zero, t) || (world->has_far && less(world->far, t))) continue;
     if (hit.object >= 0 && !less(t, hit.t)) continue; /* a tie stays with the first in the file */
     hit.object = (int64_t)i;
     hit.t = t;
@@ -200,7 +201,8 @@ typedef struct FN(scatter) {
 /* The index seen by a ray that crosses into or out of the object, under the readings. */
 static REAL seen_index(const WORLD *world, const RAY *ray, size_t object, int inside,
                        ct_medium *entered, const ct_medium **medium) {
-  REAL one = from_double(1), n = from_double(world->view->material[object * CT_MATERIAL_COLUMNS + CT_N]);
+  const double *m = world->view->material + object * CT_MATERIAL_COLUMNS;
+  REAL one = from_double(1), n = from_double(m[CT_N]);
   int side = world->choice[CT_SIDE];
   if (world->choice[CT_NESTING] == CT_NESTING_TRACKED) {
     *entered = (ct_medium){ray->medium, object, inside ? -1 : 1};
@@ -295,17 +297,17 @@ static VEC shade(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT 
     split->base = v_mul(v_scale(from_double(m[CT_KA]), color),
                         v_over(v_load(world->view->ambient), from_double(255)));
   add_lights(world, pixel, ray, hit, m, color, split, tree);
+  if (world->view->delivery < 3) return v_add(v_add(split->base, split->diffuse), split->specular);
+
+  ct_medium entered;
+  SCATTER s = scatter_at(world, ray, hit, m, &entered);
   if (world->choice[CT_MIX] == CT_MIX_CONVEX) {
-    REAL rest = sub(sub(from_double(1), from_double(m[CT_KR])), from_double(m[CT_KT]));
+    REAL rest = sub(sub(from_double(1), s.kr), s.kt);
     split->base = v_scale(rest, split->base);
     split->diffuse = v_scale(rest, split->diffuse);
     split->specular = v_scale(rest, split->specular);
   }
   VEC sum = v_add(v_add(split->base, split->diffuse), split->specular);
-  if (world->view->delivery < 3) return sum;
-
-  ct_medium entered;
-  SCATTER s = scatter_at(world, ray, hit, m, &entered);
   *tree = ct_tree_mix(*tree, (uint64_t)(s.inside | s.total << 1));
   REAL zero = from_double(0);
   if (less(zero, s.kr)) {

@@ -21,9 +21,15 @@ static inline void v_store(VEC a, double *out) {
   out[2] = to_double(a.z);
 }
 
-static inline VEC v_add(VEC a, VEC b) { return v_make(add(a.x, b.x), add(a.y, b.y), add(a.z, b.z)); }
-static inline VEC v_sub(VEC a, VEC b) { return v_make(sub(a.x, b.x), sub(a.y, b.y), sub(a.z, b.z)); }
-static inline VEC v_mul(VEC a, VEC b) { return v_make(mul(a.x, b.x), mul(a.y, b.y), mul(a.z, b.z)); }
+static inline VEC v_add(VEC a, VEC b) {
+  return v_make(add(a.x, b.x), add(a.y, b.y), add(a.z, b.z));
+}
+static inline VEC v_sub(VEC a, VEC b) {
+  return v_make(sub(a.x, b.x), sub(a.y, b.y), sub(a.z, b.z));
+}
+static inline VEC v_mul(VEC a, VEC b) {
+  return v_make(mul(a.x, b.x), mul(a.y, b.y), mul(a.z, b.z));
+}
 static inline VEC v_neg(VEC a) { return v_make(neg(a.x), neg(a.y), neg(a.z)); }
 static inline VEC v_scale(REAL s, VEC a) { return v_make(mul(s, a.x), mul(s, a.y), mul(s, a.z)); }
 static inline VEC v_over(VEC a, REAL s) { return v_make(quo(a.x, s), quo(a.y, s), quo(a.z, s)); }
