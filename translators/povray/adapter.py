@@ -1,0 +1,111 @@
+"""The lane `povray`: POV-Ray 3.7 as an independent renderer of the course's scenes.
+
+POV-Ray intersects in double, keeps colours in float32 and shades by itself; nothing of ours is in
+its path but the description that it reads. `sdl.py` says how each surface is written, `media.py`
+how nested glass is, `lights.py` how the specification's normals are, `scale.py` and `output.py` how
+its tolerances and its output are dealt with, `declarations.py` what is left.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from pathlib import Path
+
+from crosstrace.translators.errors import RendererMissingError
+from crosstrace.translators.ledger import Entry
+from crosstrace.translators.povray import declarations, output, picture, process
+from crosstrace.translators.povray.plan import MAX_DEPTH
+from crosstrace.translators.readings import only_default
+from crosstrace.translators.renderer import (
+    Capabilities,
+    Probe,
+    Progress,
+    Rendering,
+    RenderOptions,
+    Seconds,
+    Translation,
+)
+from crosstrace.translators.scene import Scene
+
+
+class PovRay:
+    """POV-Ray as a child process; satisfies the protocol `Renderer`."""
+
+    name = "povray"
+    capabilities = Capabilities(max_objects=1_000_000, max_depth=MAX_DEPTH)
+
+    def probe(self) -> Probe:
+        """Find the program and ask for its version."""
+        try:
+            program = process.find_program()
+            with _private_directory() as directory:
+                version = process.find_version(program, Path(directory))
+        except RendererMissingError as error:
+            return Probe(False, reason=error.reason, remedy=error.remedy)
+        if not version.startswith("3.7"):
+            reason = f"expected POV-Ray 3.7, found {version}"
+            return Probe(False, version, reason, process.REMEDY, {"program": str(program)})
+        return Probe(True, version, details={"program": str(program)})
+
+    def ledger(self, scene: Scene) -> list[Entry]:
+        """List what of a scene is not exact; raises UnsupportedSceneError where nothing is."""
+        return declarations.declare(picture.analyse(scene))
+
+    def render(
+        self, scene: Scene, options: RenderOptions, progress: Progress | None = None
+    ) -> Rendering:
+        """Render a scene; see the protocol for what is raised."""
+        only_default(options.readings, self.name)
+        program = process.find_program()
+        started = time.perf_counter()
+        analysis = picture.analyse(scene, options.effects)
+        threads = options.threads or len(os.sched_getaffinity(0))
+        messages: list[str] = []
+        with _private_directory() as name:
+            directory = Path(name)
+            source, image = directory / "scene.pov", directory / "image.ppm"
+            source.write_text(analysis.text(1.0), encoding="ascii")
+            translated = time.perf_counter()
+            deadline = None if options.timeout_s is None else translated + options.timeout_s
+
+            def render_at(scale: float) -> output.Picture:
+                image.unlink(missing_ok=True)
+                call = picture.arguments(scene, source.name, image.name, "P", str(threads))
+                call += ["+V", f"Declare=output_scale={scale!r}"]
+                left = None if deadline is None else max(0.0, deadline - time.perf_counter())
+                said = process.run(program, call, directory, left, progress)
+                messages.extend(w for w in process.warnings(said) if w not in messages)
+                return output.read_ppm(image, scene.v_res, scene.h_res)
+
+            background = float(scene.background.max()) / 255
+            made = output.render_scaled(render_at, analysis.bound, background)
+        return Rendering(
+            image=made.image,
+            seconds=Seconds(0.0, translated - started, time.perf_counter() - translated),
+            half_step=made.half_step,
+            settings={
+                "version": made.version,
+                "threads": threads,
+                "world_scale": analysis.scale,
+                "output_scale": made.scale,
+                "output_scales": list(made.passes),
+                "max_trace_level": analysis.depth + 1,
+            },
+            messages=messages,
+        )
+
+    def translate(self, scene: Scene, options: RenderOptions) -> Translation:
+        """Write a scene description with a comment saying how to call plain `povray` for it."""
+        only_default(options.readings, self.name)
+        analysis = picture.analyse(scene, options.effects)
+        name = picture.file_name(scene.name)
+        scale = output.safe_scale(analysis.bound)
+        command = " ".join(["povray", *picture.arguments(scene, f"{name}.pov", f"{name}.png", "N")])
+        text = picture.commented(analysis.text(scale), command, scale)
+        return Translation({f"{name}.pov": text}, command)
+
+
+def _private_directory() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="crosstrace-povray-", ignore_cleanup_errors=True)

@@ -1,0 +1,61 @@
+"""What POV-Ray renders otherwise than the specification, scene by scene: its ledger."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosstrace.translators.ledger import Entry
+from crosstrace.translators.povray.output import WHITE, safe_scale
+from crosstrace.translators.povray.picture import Analysis
+from crosstrace.translators.povray.scale import MAX_DISTANCE, MIN_DISTANCE, SHADOW_TOLERANCE
+from crosstrace.translators.scene import KR, KT, N
+
+Rows = NDArray[np.bool_] | NDArray[np.intp]
+
+
+def declare(analysis: Analysis) -> list[Entry]:
+    """List the departures of one analysed scene, the image as a whole first."""
+    plan, side, scale = analysis.plan, analysis.side, analysis.scale
+    index, material = plan.index, plan.material
+    k = safe_scale(analysis.bound)
+    entries = [
+        Entry("output", f"16-bit samples, output scale at most {k:g}", "approximated",
+              k / (2 * WHITE)),
+        Entry("arithmetic", "colours and reflected light are kept in float32", "approximated"),
+    ]  # fmt: skip
+    if not len(plan):
+        return entries[:1]
+
+    def add(
+        effect: str, situation: str, rows: Rows | None = None, bound: float | None = None
+    ) -> None:
+        which = () if rows is None else tuple(int(i) for i in index[rows])
+        entries.append(Entry(effect, situation, "approximated", bound, which))
+
+    if not plan.sphere.all():
+        limit = MAX_DISTANCE / scale
+        add("geometry", f"planes end {limit:.3g} units along a ray", ~plan.sphere)
+    near = (np.abs(side.height) < MIN_DISTANCE / scale) & ~side.on
+    if near.any():
+        add("geometry", "the camera is nearer to a surface than any hit that counts", near)
+    if plan.depth:
+        add("geometry", f"a secondary ray meets nothing nearer than {MIN_DISTANCE / scale:.3g}")
+    if len(plan.lights) and plan.shadows:
+        add("shadows", f"blockers nearer than {SHADOW_TOLERANCE / scale:.3g} units do not count")
+    transparent = material[:, KT] > 0
+    inexact = transparent & (material[:, N].astype(np.float32) != material[:, N])
+    if inexact.any():
+        add("refraction", "refraction indices are kept in float32", inexact)
+    if len(analysis.media.nudged):
+        add("refraction", "an index that does not change is taken one float32 step larger, "
+            "so that the surface counts as a bounce", analysis.media.nudged)  # fmt: skip
+    if len(analysis.media.crossing):
+        add("refraction", "transparent surfaces cross: POV-Ray keeps one index a medium, "
+            "not one a surface", analysis.media.crossing)  # fmt: skip
+    if (torn := side.torn & transparent).any():
+        add("refraction", "the camera lies on a transparent surface and looks to both sides", torn)
+    if analysis.lost:
+        deep = (material[:, KR] > 0) | transparent
+        add("reflection", f"rays beyond depth {analysis.depth} are left out", deep, analysis.lost)
+    return entries
