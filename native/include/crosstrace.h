@@ -157,6 +157,58 @@ typedef int (*ct_progress)(void *user, uint64_t pixels_done, uint64_t pixels_tot
 CT_API ct_status ct_render(const ct_scene_view *view, const ct_options *options,
                     const ct_outputs *outputs, ct_progress progress, void *user, ct_stats *stats);
 
+/* ---- Certification ---- */
+
+typedef enum ct_certify_class {
+  CT_CERTIFIED,             /* enclosed to the tolerance */
+  CT_UNDECIDABLE_EDGE,      /* a decision open in the widest type: see the alternatives */
+  CT_UNDECIDABLE_PRECISION, /* a quantity too wide even in the widest type */
+  CT_UNDECIDABLE_BUDGET     /* too many outcomes, decisions or rays */
+} ct_certify_class;
+
+/* Which decision was open first. */
+typedef enum ct_certify_decision {
+  CT_DECISION_NONE,
+  CT_DECISION_NEAREST,  /* which object is hit, if any */
+  CT_DECISION_SHADOW,   /* whether a light is blocked */
+  CT_DECISION_SIDE,     /* from which side a surface is met */
+  CT_DECISION_TOTAL,    /* whether light is totally reflected */
+  CT_DECISION_GATE,     /* whether n.l > 0, where a reading asks */
+  CT_DECISION_PRECISION /* none: a quantity was too wide */
+} ct_certify_decision;
+
+typedef struct ct_certify_request {
+  const int64_t *pixels; /* indices row * h_res + column; NULL: all */
+  uint64_t n_pixels;     /* of that list */
+  double tolerance;      /* greatest width of a certified enclosure, such as 1e-9 */
+  /* 0: truth. Otherwise the relative error of the arithmetic under test: the enclosures then hold
+   * whatever a renderer with that error in directions, hits and sums may return. */
+  double kappa;
+} ct_certify_request;
+
+enum { CT_ALTERNATIVES = 16 };
+
+/* Where enclosures go, one entry a pixel asked for; every pointer may be NULL. A pixel without an
+ * enclosure (PRECISION, BUDGET) has -infinity and infinity. */
+typedef struct ct_enclosures {
+  double *lo, *hi;         /* x 3 */
+  uint8_t *pixel_class;    /* ct_certify_class */
+  uint8_t *level;          /* type that it ended in: 0 double, 1 double-double, 2 float128 */
+  uint8_t *decision;       /* ct_certify_decision of the first open decision */
+  int32_t *depth, *object; /* where that was; object -1: none in particular */
+  uint8_t *n_alternatives;
+  double *alternatives; /* x CT_ALTERNATIVES x 2 x 3: lo and hi of each possible value */
+} ct_enclosures;
+
+typedef struct ct_certify_stats {
+  uint64_t n_closed[3]; /* pixels certified in double, double-double, float128 */
+} ct_certify_stats;
+
+/* CT_ERR_OPTION for offset=bound, which has no meaning in real arithmetic. */
+CT_API ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
+                            const ct_certify_request *request, const ct_enclosures *out,
+                            ct_progress progress, void *user, ct_certify_stats *stats);
+
 CT_API uint64_t ct_max_tree_depth(void);
 
 #ifdef __cplusplus

@@ -51,7 +51,9 @@ static inline VEC object_normal(const WORLD *world, size_t i, VEC point) {
 static inline REAL object_nearest(const WORLD *world, size_t i, VEC origin, VEC direction,
                                   int primary, REAL t_min) {
   const double *g = world->view->geometry + i * CT_GEOMETRY_COLUMNS;
-  int on_surface = primary && world->frame->eye_on[i];
+  /* Mitsuba's near plane starts a primary ray off the surface that the eye lies on. */
+  int on_surface = primary && world->frame->eye_on[i] &&
+                   world->choice[CT_OFFSET] != CT_OFFSET_MITSUBA;
   if (world->view->kind[i] == CT_SPHERE)
     return sphere_nearest(origin, direction, v_load(g), from_double(g[3]), on_surface, t_min);
   if (on_surface) return from_double(0);

@@ -1,0 +1,149 @@
+/* Certified pixels: an enclosure of the real-arithmetic value, or undecidable with its reason.
+ *
+ * Every pixel goes through intervals in double; what is left open through double-double; what is
+ * then left through float128. Open means: an enclosure wider than the tolerance, a decision whose
+ * outcomes differ by more than it, or a quantity too wide to go on with.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "kernel.h"
+#include "machine.h"
+#include "parallel.h"
+#include "set.h"
+
+enum { N_LEVELS = 3, CHUNK = 64, RAYS_PER_PIXEL = 1 << 20 };
+/* Bytes of stack for one level of the recursion of the widest kernel. */
+enum { SET_STACK_PER_LEVEL = 32768, SET_STACK_LEVELS = 4096 };
+
+static const ct_set_kernel *const levels[N_LEVELS] = {&ct_set_kernel_f64, &ct_set_kernel_dd,
+#if defined(__SIZEOF_FLOAT128__)
+                                                      &ct_set_kernel_f128
+#endif
+};
+static const int outcomes_followed[N_LEVELS] = {4, 16, 256};
+
+typedef struct job {
+  const ct_frame *frame;
+  const ct_certify_request *request;
+  const ct_enclosures *out;
+  const void *worlds[N_LEVELS];
+  int n_levels;
+  atomic_int stop;
+  atomic_uint_fast64_t n_closed[N_LEVELS];
+} job;
+
+static double width_of(const ct_set_result *r) {
+  double width = 0;
+  for (int k = 0; k < 3; k++) width = fmax(width, r->hi[k] - r->lo[k]);
+  return width;
+}
+
+static int has_value(const ct_set_result *r) {
+  return r->status == CT_SET_DECIDED || r->status == CT_SET_AMBIGUOUS;
+}
+
+static ct_certify_class class_of(const ct_set_result *r, double tolerance) {
+  if (has_value(r) && width_of(r) <= tolerance) return CT_CERTIFIED;
+  if (r->status == CT_SET_AMBIGUOUS) return CT_UNDECIDABLE_EDGE;
+  return r->status == CT_SET_BUDGET ? CT_UNDECIDABLE_BUDGET : CT_UNDECIDABLE_PRECISION;
+}
+
+static void store(const job *j, uint64_t at, const ct_set_result *r, ct_certify_class class,
+                  int level) {
+  const ct_enclosures *out = j->out;
+  for (int k = 0; k < 3; k++) {
+    if (out->lo) out->lo[3 * at + (size_t)k] = has_value(r) ? r->lo[k] : -(double)INFINITY;
+    if (out->hi) out->hi[3 * at + (size_t)k] = has_value(r) ? r->hi[k] : (double)INFINITY;
+  }
+  if (out->pixel_class) out->pixel_class[at] = (uint8_t)class;
+  if (out->level) out->level[at] = (uint8_t)level;
+  if (out->decision) out->decision[at] = (uint8_t)r->first.kind;
+  if (out->depth) out->depth[at] = (int32_t)r->first.depth;
+  if (out->object) out->object[at] = (int32_t)r->first.object;
+  if (out->n_alternatives) out->n_alternatives[at] = (uint8_t)r->n_alternatives;
+  if (out->alternatives) {
+    double *to = out->alternatives + at * CT_ALTERNATIVES * 6;
+    memset(to, 0, CT_ALTERNATIVES * 6 * sizeof *to);
+    memcpy(to, r->alternatives, r->n_alternatives * sizeof *r->alternatives);
+  }
+}
+
+static void certify_pixel(job *j, uint64_t at) {
+  const ct_certify_request *q = j->request;
+  int64_t h_res = j->frame->view.h_res;
+  int64_t pixel = q->pixels ? q->pixels[at] : (int64_t)at;
+  ct_set_result result = {.status = CT_SET_PRECISION};
+  ct_certify_class class = CT_UNDECIDABLE_PRECISION;
+  int level = 0;
+  for (; level < j->n_levels; level++) {
+    int is_last = level == j->n_levels - 1;
+    ct_set_limits limits = {is_last ? outcomes_followed[N_LEVELS - 1] : outcomes_followed[level],
+                            RAYS_PER_PIXEL, &j->stop};
+    fesetround(levels[level] == &ct_set_kernel_dd ? FE_TONEAREST : FE_UPWARD);
+    levels[level]->pixel(j->worlds[level], pixel / h_res, pixel % h_res, &limits, &result);
+    fesetround(FE_TONEAREST);
+    class = class_of(&result, q->tolerance);
+    if (class == CT_CERTIFIED || is_last) break;
+  }
+  if (class == CT_CERTIFIED) atomic_fetch_add(&j->n_closed[level], 1);
+  store(j, at, &result, class, level);
+}
+
+static void run_chunk(void *argument, void *state, uint64_t begin, uint64_t end) {
+  job *j = argument;
+  (void)state;
+  for (uint64_t at = begin; at < end; at++) {
+    if (atomic_load_explicit(&j->stop, memory_order_relaxed)) return;
+    certify_pixel(j, at);
+  }
+}
+
+static ct_status check_request(const ct_scene_view *view, const ct_certify_request *q) {
+  int64_t n_pixels = view->v_res * view->h_res;
+  if (!(q->kappa >= 0) || !(q->tolerance >= 0)) return CT_ERR_ARGUMENT;
+  for (uint64_t i = 0; q->pixels && i < q->n_pixels; i++)
+    if (q->pixels[i] < 0 || q->pixels[i] >= n_pixels) return CT_ERR_ARGUMENT;
+  return CT_OK;
+}
+
+ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
+                     const ct_certify_request *request, const ct_enclosures *out,
+                     ct_progress progress, void *user, ct_certify_stats *stats) {
+  if (!view || !options || !request || !out || check_request(view, request))
+    return CT_ERR_ARGUMENT;
+  if (options->choice[CT_OFFSET] == CT_OFFSET_BOUND) return CT_ERR_OPTION;
+  ct_machine_state caller = ct_machine_enter();
+  ct_frame frame;
+  ct_status status = ct_frame_open(&frame, view, options);
+  if (status) {
+    ct_machine_leave(caller);
+    return status;
+  }
+  job j = {.frame = &frame, .request = request, .out = out};
+  /* What a rounding renderer may return is as wide in any type. */
+  int n_wanted = request->kappa > 0 ? 1 : N_LEVELS;
+  while (!status && j.n_levels < n_wanted && levels[j.n_levels]) {
+    void *world = NULL;
+    fesetround(levels[j.n_levels] == &ct_set_kernel_dd ? FE_TONEAREST : FE_UPWARD);
+    status = levels[j.n_levels]->open(&frame, request->kappa, &world);
+    fesetround(FE_TONEAREST);
+    if (!status) j.worlds[j.n_levels++] = world;
+  }
+  if (!status) {
+    uint64_t n = request->pixels ? request->n_pixels : (uint64_t)(view->v_res * view->h_res);
+    int64_t depth = frame.max_depth < SET_STACK_LEVELS ? frame.max_depth : SET_STACK_LEVELS;
+    ct_work work = {.run = run_chunk, .job = &j, .n_items = n, .chunk = CHUNK,
+                    .stack_bytes = ((size_t)1 << 20) + (size_t)(depth + 2) * SET_STACK_PER_LEVEL,
+                    .stop = &j.stop};
+    status = ct_parallel(&work, options->n_threads, progress, user, NULL);
+  }
+  if (stats)
+    for (int k = 0; k < N_LEVELS; k++) stats->n_closed[k] = atomic_load(&j.n_closed[k]);
+  for (int k = 0; k < j.n_levels; k++) levels[k]->close((void *)(uintptr_t)j.worlds[k]);
+  ct_frame_close(&frame);
+  ct_machine_leave(caller);
+  return status;
+}
