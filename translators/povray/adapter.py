@@ -63,24 +63,28 @@ class PovRay:
         analysis = picture.analyse(scene, options.effects)
         threads = options.threads or len(os.sched_getaffinity(0))
         messages: list[str] = []
+        passes: list[float] = []
         with _private_directory() as name:
             directory = Path(name)
             source, image = directory / "scene.pov", directory / "image.ppm"
             source.write_text(analysis.text(1.0), encoding="ascii")
             translated = time.perf_counter()
-            deadline = None if options.timeout_s is None else translated + options.timeout_s
+            since = time.monotonic()
 
             def render_at(scale: float) -> output.Picture:
                 image.unlink(missing_ok=True)
                 call = picture.arguments(scene, source.name, image.name, "P", str(threads))
                 call += ["+V", f"Declare=output_scale={scale!r}"]
-                left = None if deadline is None else max(0.0, deadline - time.perf_counter())
-                said = process.run(program, call, directory, left, progress)
+                share = output.shared(progress, analysis.bound, len(passes))
+                passes.append(scale)
+                said = process.run(program, call, directory, options.timeout_s, share, since)
                 messages.extend(w for w in process.warnings(said) if w not in messages)
                 return output.read_ppm(image, scene.v_res, scene.h_res)
 
             background = float(scene.background.max()) / 255
             made = output.render_scaled(render_at, analysis.bound, background)
+            if progress is not None:
+                progress(1.0)
         return Rendering(
             image=made.image,
             seconds=Seconds(0.0, translated - started, time.perf_counter() - translated),

@@ -46,7 +46,7 @@ def declare(analysis: Analysis) -> list[Entry]:
     transparent = material[:, KT] > 0
     inexact = transparent & (material[:, N].astype(np.float32) != material[:, N])
     if inexact.any():
-        add("refraction", "refraction indices are kept in float32", inexact)
+        add("refraction", "indices are kept in float32, each relative to the camera", inexact)
     if len(analysis.media.nudged):
         add("refraction", "an index that does not change is taken one float32 step larger, "
             "so that the surface counts as a bounce", analysis.media.nudged)  # fmt: skip

@@ -107,9 +107,12 @@ def _placed(
     ball_a, ball_b = plan.sphere[those][:, None], plan.sphere[others][None]
     radius_a, radius_b = a[..., 3], b[..., 3]
 
-    distance = np.linalg.norm(a[..., :3] - b[..., :3], axis=-1)
+    squared = sum((a[..., k] - b[..., k]) ** 2 for k in range(3))
+    distance = np.sqrt(squared)
     inside = distance + radius_a <= radius_b
     outside = (distance >= radius_a + radius_b) | (distance + radius_b <= radius_a)
+    if ball_a.all() and ball_b.all():
+        return inside, outside
 
     # Against a plane: the height of the ball's centre, or of a parallel plane's point.
     height = ((a[..., :3] - b[..., :3]) * b[..., 3:]).sum(axis=-1)

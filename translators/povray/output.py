@@ -17,6 +17,7 @@ import numpy as np
 
 from crosstrace.translators.errors import RendererError
 from crosstrace.translators.povray.plan import Array
+from crosstrace.translators.renderer import Progress
 
 WHITE = 65535
 
@@ -82,6 +83,17 @@ def render_scaled(render: Callable[[float], Picture], bound: float, background: 
         image[saturated] = picture.samples[saturated] * (scale / WHITE)
         saturated &= picture.samples == WHITE
     return Scaled(image, passes[-1], tuple(passes), picture.version)
+
+
+def shared(progress: Progress | None, bound: float, passes: int) -> Progress | None:
+    """Return the progress of one pass, after `passes` others, as a part of the whole.
+
+    Where more passes may follow, each takes half of what is left.
+    """
+    if progress is None or bound <= 1:
+        return progress
+    done, share, whole = 1 - 0.5**passes, 0.5 ** (passes + 1), progress
+    return lambda fraction: whole(done + share * fraction)
 
 
 def read_ppm(path: Path, v_res: int, h_res: int) -> Picture:

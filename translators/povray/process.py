@@ -64,12 +64,17 @@ def run(
     directory: Path,
     timeout_s: float | None = None,
     progress: Progress | None = None,
+    since: float | None = None,
 ) -> str:
     """Run the program in a directory until it ends by itself and return what it said.
 
     Raises RendererMissingError where it cannot be started and RendererError where it fails, dies or
-    takes longer than `timeout_s` seconds; the child is gone whenever this function is left.
+    takes longer than `timeout_s` seconds, counted from `since` on the monotonic clock (None: now);
+    the child is gone whenever this function is left.
     """
+    deadline = None
+    if timeout_s is not None:
+        deadline = (time.monotonic() if since is None else since) + timeout_s
     configuration = directory / "empty.ini"
     configuration.touch()
     environment = {
@@ -88,7 +93,7 @@ def run(
             reason = f"{program} cannot be started: {error.strerror}"
             raise RendererMissingError(reason, REMEDY) from error
         try:
-            status = _wait(child, timeout_s, said, progress)
+            status = _wait(child, deadline, said, progress)
         finally:
             _end(child)
     text = _readable(said.read_bytes(), directory)
@@ -113,10 +118,9 @@ def _dies_with_parent() -> list[str]:
 
 
 def _wait(
-    child: subprocess.Popen[bytes], timeout_s: float | None, said: Path, progress: Progress | None
+    child: subprocess.Popen[bytes], deadline: float | None, said: Path, progress: Progress | None
 ) -> int | None:
     """Return the exit status, None after a timeout; what `progress` raises goes through."""
-    deadline = None if timeout_s is None else time.monotonic() + timeout_s
     while True:
         try:
             return child.wait(_TICK_S)

@@ -47,6 +47,9 @@ SITUATIONS: dict[str, dict[str, Any]] = {
         "objects": [FLOOR, BALL, glass([0.0, -0.6, 0.9], 0.7)],
         "lights": [SUN, ([250, 250, 250], [0.3, 3.0, -1.0]), ([80, 80, 99], [0.0, -0.6, 1.1])],
     },
+    "a single plane lit from both sides": {
+        "objects": [FLOOR], "lights": [SUN, ([250, 250, 250], [0.3, 3.0, -1.0])],
+    },
     "inside a sphere with the light outside": {
         "objects": [sphere([200, 180, 90], [0, 0, 0], 9.0, **MATT), BALL],
         "lights": [([255, 255, 255], [0.0, -20.0, 3.0])],
@@ -182,6 +185,10 @@ SITUATIONS: dict[str, dict[str, Any]] = {
     "an odd frame and a tilted camera": {
         "objects": [FLOOR, BALL, BACK], "lights": [SUN], "v_res": 37, "h_res": 83,
         "up": [0.3, 0.2, 0.9],
+    },
+    "flat colours inside a sphere and behind a plane": {
+        "delivery": 1, "max_depth": 0, "ambient": [255.0, 255.0, 255.0], "eye": [0, 0, 0.9],
+        "objects": [sphere([200, 10, 30], [0, 0, 1], 1.0), plane([1, 2, 3], [0, 0, 2], [0, 0, 1])],
     },
     "flat colours": {
         "delivery": 1, "max_depth": 0, "ambient": [255.0, 255.0, 255.0],

@@ -1,0 +1,28 @@
+"""On the course's own scenes POV-Ray keeps to native at the full size."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from crosstrace.translators.course import load
+from crosstrace.translators.renderer import Rendering
+from crosstrace.translators.scene import Scene
+
+NAMES = ("bolha2", "espelho0", "espelho2", "japao", "olho", "piramide", "terra", "venn", "vidro4")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_pixel_of_a_course_scene_departs(
+    name: str, beyond: Callable[[Scene], tuple[int, Rendering]]
+) -> None:
+    """Every pixel is within 7.63e-6·K + 1e-5 of native, at 480×640 too."""
+    folder = os.environ.get("CROSSTRACE_COURSE")
+    if not folder:
+        pytest.skip("CROSSTRACE_COURSE does not name the folder of the course's scenes")
+    scene = load(Path(folder) / f"{name}.txt")
+    pixels, _ = beyond(scene)
+    assert pixels == 0
