@@ -188,6 +188,7 @@ SITUATIONS: dict[str, dict[str, Any]] = {
     },
     "flat colours inside a sphere and behind a plane": {
         "delivery": 1, "max_depth": 0, "ambient": [255.0, 255.0, 255.0], "eye": [0, 0, 0.9],
+        "target": [0, 1, 1.3],
         "objects": [sphere([200, 10, 30], [0, 0, 1], 1.0), plane([1, 2, 3], [0, 0, 2], [0, 0, 1])],
     },
     "flat colours": {
