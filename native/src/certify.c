@@ -23,7 +23,7 @@ static const ct_set_kernel *const levels[N_LEVELS] = {&ct_set_kernel_f64, &ct_se
                                                       &ct_set_kernel_f128
 #endif
 };
-static const int outcomes_followed[N_LEVELS] = {4, 16, 256};
+static const int outcomes_followed[N_LEVELS] = {1, 16, 256};
 
 typedef struct job {
   const ct_frame *frame;

@@ -12,6 +12,7 @@
 #include "interval.inc.h"
 #include "set_power.inc.h"
 #include "set_world.inc.h"
+#include "set_filter.inc.h"
 #include "set_hit.inc.h"
 #include "set_shade.inc.h"
 

@@ -157,13 +157,16 @@ static OUTCOME nearest_outcome(STATE *s, const RAY *ray) {
   OUTCOME list[CT_MAX_CANDIDATES + 2], found[2], none = {.object = -1};
   int n = 0, has_sure = 0;
   BOUND sure_by = b_from((double)INFINITY);
+  double before = (double)INFINITY;
+  FILTER filter = filter_of(ray->origin, ray->direction);
   for (size_t i = 0; i < s->world->view->n_objects; i++) {
-    if (s->world->is_twin[i]) continue;
+    if (s->world->is_twin[i] || !may_meet(s->world, &filter, i, before)) continue;
     int n_found = outcomes_of(s, ray, i, 0, found);
     for (int k = 0; k < n_found; k++) {
       if (b_less(sure_by, b_neg(found[k].t.nlo))) continue;
       if (found[k].sure && (!has_sure || b_less(found[k].t.hi, sure_by))) {
         sure_by = found[k].t.hi;
+        before = b_to_double(sure_by);
         has_sure = 1;
         int kept = 0;
         for (int j = 0; j < n; j++)
@@ -195,7 +198,10 @@ static shadow_answer find_blocker(STATE *s, const RAY *ray, const IV *limit) {
   const WORLD *world = s->world;
   shadow_answer answer = SHADOW_NONE;
   OUTCOME found[2];
+  FILTER filter = filter_of(ray->origin, ray->direction);
+  double before = limit ? b_to_double(limit->hi) : (double)INFINITY;
   for (size_t i = 0; i < world->view->n_objects; i++) {
+    if (!may_meet(world, &filter, i, before)) continue;
     if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
         world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
       continue;

@@ -132,7 +132,8 @@ static IV3 lights_at(STATE *s, const RAY *ray, const HIT *hit) {
       shadow_answer answer = shadow_of(s, ray, hit, light, l, distance);
       if (answer == SHADOW_SURE) continue;
       if (answer == SHADOW_POSSIBLE) {
-        if (!b_less(b_from(SET_NEGLIGIBLE), i3_magnitude(c)))
+        /* Rounding leaves most shadows open; their outcomes would multiply without end. */
+        if (world->kappa > 0 || !b_less(b_from(SET_NEGLIGIBLE), i3_magnitude(c)))
           c = i3_hull(c, i3_zero());
         else if (decide(s, 2, CT_DECISION_SHADOW, ray->depth, (int64_t)hit->object))
           continue;
