@@ -1,4 +1,4 @@
-"""The native library over the CPython limited API; its contract stands in `include/crosstrace.h`."""
+"""The native library over the limited API of CPython; see `include/crosstrace.h` for its contract."""
 
 from collections.abc import Callable
 from typing import Any
@@ -21,6 +21,24 @@ def readings() -> list[tuple[str, str, str]]:
 
 def check_reading(name: str, value: str, /) -> tuple[str, str] | None:
     """Return None, or (expected, found)."""
+
+def certify(
+    scene: tuple[Any, ...],
+    settings: list[tuple[str, str]],
+    pixels: Any,
+    tolerance: float,
+    kappa: float,
+    outputs: dict[str, Any],
+    progress: Callable[[float], object] | None,
+    /,
+) -> dict[str, int]:
+    """Enclose pixels and return how many each type of bounds certified.
+
+    `pixels` is a C-contiguous int64 array of row·h_res + column, or None for all. `outputs` maps
+    names to arrays with one entry a pixel: lo, hi (3 float64), pixel_class, level, decision,
+    n_alternatives (uint8), depth, object (int32), alternatives (16 × 2 × 3 float64). `kappa` is 0
+    for truth, else the relative error of the arithmetic under test. Raises as `render`.
+    """
 
 def render(
     scene: tuple[Any, ...],

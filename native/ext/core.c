@@ -158,6 +158,8 @@ static PyMethodDef methods[] = {
      "check_reading(name, value) -> None or (expected, found)"},
     {"render", core_render, METH_VARARGS,
      "render(scene tuple, settings, outputs, progress) -> stats; see _core.pyi"},
+    {"certify", core_certify, METH_VARARGS,
+     "certify(scene tuple, settings, pixels, tolerance, kappa, outputs, progress) -> counts"},
     {NULL, NULL, 0, NULL}};
 
 static int module_exec(PyObject *module) {

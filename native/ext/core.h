@@ -22,6 +22,37 @@ void scene_argument_close(scene_argument *argument);
 int open_buffer(PyObject *object, char format, Py_ssize_t n, int writable, const char *what,
                 Py_buffer *buffer);
 
+enum { CALL_MAX_OUTPUTS = 16 };
+
+/* One call into the tracer. Fill with zeros, then call_open; call_release gives all back. */
+typedef struct call {
+  scene_argument scene;
+  int has_scene;
+  ct_options *options;
+  Py_ssize_t row_begin, row_end;
+  Py_buffer buffers[CALL_MAX_OUTPUTS];
+  int n_buffers;
+  PyObject *progress; /* borrowed, or NULL */
+  PyThreadState *thread;
+} call;
+
+/* An output array by name: the items of one pixel, and its pointer's place in a struct. */
+typedef struct named_output {
+  const char *name;
+  char format;
+  int per_item;
+  size_t offset;
+} named_output;
+
+/* 0, or -1 with a Python exception set; call_open then holds nothing. */
+int call_open(call *c, PyObject *scene, PyObject *settings, PyObject *progress);
+int call_open_outputs(call *c, PyObject *dict, const named_output *table, size_t n_named,
+                      Py_ssize_t n_items, void *outputs);
+void call_release(call *c);
+int call_progress(void *user, uint64_t done, uint64_t total);
+int call_raise(ct_status status);
+
+PyObject *core_certify(PyObject *module, PyObject *arguments);
 PyObject *core_render(PyObject *module, PyObject *arguments);
 
 #endif

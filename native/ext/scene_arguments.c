@@ -13,7 +13,7 @@ static int same_format(char wanted, const char *found) {
   if (found[0] == 0 || found[1] != 0) return 0;
   switch (wanted) {
     case 'Q': return strchr("QL", *found) && (*found == 'Q' || sizeof(long) == 8);
-    case 'i': return *found == 'i';
+    case 'q': return strchr("ql", *found) && (*found == 'q' || sizeof(long) == 8);
     default: return *found == wanted;
   }
 }
