@@ -163,7 +163,8 @@ static OUTCOME nearest_outcome(STATE *s, const RAY *ray) {
     if (s->world->is_twin[i] || !may_meet(s->world, &filter, i, before)) continue;
     int n_found = outcomes_of(s, ray, i, 0, found);
     for (int k = 0; k < n_found; k++) {
-      if (b_less(sure_by, b_neg(found[k].t.nlo))) continue;
+      /* At or behind a sure hit: a tie goes to the object that comes first in the file. */
+      if (has_sure && !b_less(b_neg(found[k].t.nlo), sure_by)) continue;
       if (found[k].sure && (!has_sure || b_less(found[k].t.hi, sure_by))) {
         sure_by = found[k].t.hi;
         before = b_to_double(sure_by);
