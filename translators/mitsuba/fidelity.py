@@ -1,0 +1,98 @@
+"""What the two Mitsuba lanes cannot hold, and what they render otherwise than exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from crosstrace.translators.errors import UnsupportedSceneError
+from crosstrace.translators.ledger import Entry
+from crosstrace.translators.mitsuba.document import (
+    DISK,
+    NEAR,
+    WIDEST_DEGREES,
+    branches,
+    field_of_view,
+)
+from crosstrace.translators.renderer import Capabilities
+from crosstrace.translators.scene import KT, N, Scene
+
+#: Waiting rays that the recursion can hold where one hit spawns two (`recursion.STACK`).
+DEEPEST = 128
+
+#: Beyond these magnitudes squares overflow or vanish in float32 and float64.
+FLOAT32_RANGE = (1e-18, 1e17)
+FLOAT64_RANGE = (1e-150, 1e150)
+
+#: From this ratio of radius to 1 on, float32 spheres are visibly wrong: 0.017 off at 1e5.
+LARGE_RADIUS = 1e4
+
+
+def refuse(
+    lane: str, scene: Scene, effects: Collection[str], capabilities: Capabilities,
+    magnitudes: tuple[float, float],
+) -> None:  # fmt: skip
+    """Raise UnsupportedSceneError where the lane cannot hold the scene."""
+    counts = (
+        ("objects", len(scene), capabilities.max_objects),
+        ("pixels", scene.v_res * scene.h_res, capabilities.max_pixels),
+    )
+    for what, found, limit in counts:
+        if limit is not None and found > limit:
+            raise UnsupportedSceneError(f"{lane}: expected at most {limit} {what}, found {found}")
+    if scene.max_depth > DEEPEST and branches(scene, effects):
+        raise UnsupportedSceneError(
+            f"{lane}: expected max_depth of at most {DEEPEST} where an object has both kr and kt,"
+            f" found {scene.max_depth}"
+        )
+    least, most = magnitudes
+    places = (scene.geometry[:, :3], scene.lights[:, 3:], scene.eye, scene.target)
+    radii = scene.geometry[scene.is_sphere, 3]
+    bent = scene.material[scene.material[:, KT] > 0, N]
+    far = max(float(np.abs(place).max(initial=0.0)) for place in (*places, radii, bent))
+    small = min(float(radii.min(initial=1.0)), float(bent.min(initial=1.0)))
+    if far > most or small < least:
+        raise UnsupportedSceneError(
+            f"{lane}: expected magnitudes from {least:g} to {most:g},"
+            f" found {far if far > most else small:g}"
+        )
+
+
+def ledger_f64(scene: Scene) -> list[Entry]:
+    """Declare the exact lane: rounding, and nothing else."""
+    text = "double arithmetic, relative error a few units of 2^-53 for each operation"
+    return [Entry("arithmetic", text, "approximated")]
+
+
+def ledger_f32(scene: Scene, effects: Collection[str]) -> list[Entry]:
+    """Declare Mitsuba's own rules: float32, its ray offsets, near plane, and wide disks."""
+    entries = [
+        Entry("arithmetic", "float32, relative error a few units of 2^-24", "approximated"),
+        Entry("geometry", "surfaces and rays are float32 numbers; a tie may go to either object",
+              "approximated"),
+        Entry("camera", f"nothing nearer than {NEAR:g} along the view is seen (offset=mitsuba)",
+              "approximated"),
+    ]  # fmt: skip
+    if scene.delivery == 1 and field_of_view(scene) > WIDEST_DEGREES:
+        wide = f"wider than {WIDEST_DEGREES:g} degrees: this project's camera and integrator"
+        entries.append(Entry("camera", wide, "exact"))
+    if "shadows" in effects:
+        text = ("shadow rays start beside the surface along its normal, (1 + max|p|)·8.94e-5 away,"
+                " and end at (1 - 8.94e-4) of the distance (offset=mitsuba)")  # fmt: skip
+        entries.append(Entry("shadows", text, "approximated"))
+    for effect in ("reflection", "refraction", "total_reflection"):
+        if effect in effects:
+            text = "rays start beside the surface along its normal (offset=mitsuba)"
+            entries.append(Entry(effect, text, "approximated"))
+    planes = tuple(map(int, np.flatnonzero(~scene.is_sphere)))
+    if planes:
+        text = f"planes end {DISK:g} from the foot of the perpendicular from the eye"
+        entries.append(Entry("geometry", text, "approximated", objects=planes))
+    large = tuple(
+        map(int, np.flatnonzero(scene.is_sphere & (scene.geometry[:, 3] >= LARGE_RADIUS)))
+    )
+    if large:
+        text = f"float32 spheres of radius {LARGE_RADIUS:g} and more lose their shadows' digits"
+        entries.append(Entry("geometry", text, "approximated", objects=large))
+    return entries
