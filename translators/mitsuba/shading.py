@@ -15,6 +15,8 @@ from typing import Any
 import drjit as dr
 
 LOG2_E = 1.4426950408889634
+#: A highlight of less than 2 to this is none: far below any image's digits, in both precisions.
+LEAST_POWER = -120.0
 
 
 def positive(x: Any) -> Any:
@@ -40,7 +42,10 @@ def power_of_cosine(a: Any, b: Any, exponent: Any) -> Any:
     u = 1 - h
     near = dr.select(u < 1, dr.log2(u) * (h / (1 - u)), -LOG2_E * h)
     log2_cosine = dr.select(h < 0.5, near, dr.log2(cosine))
-    return dr.select(cosine > 0, dr.exp2(exponent * log2_cosine), 0)
+    power = exponent * log2_cosine
+    # Dr.Jit's exp2 is not a number far below the smallest exponent; that highlight is black.
+    shown = (cosine > 0) & (power > LEAST_POWER)
+    return dr.select(shown, dr.exp2(dr.select(shown, power, 0)), 0)
 
 
 def bend(cosine: Any, index: Any) -> tuple[Any, Any, Any]:
