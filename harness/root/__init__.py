@@ -1,0 +1,1 @@
+"""crosstrace: one scene through independent ray tracers, every differing pixel explained."""

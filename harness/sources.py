@@ -1,0 +1,113 @@
+"""From what the user names to scenes: a file, a folder of files, or a packaged scene's name."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from importlib.resources import as_file, files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from crosstrace.translators.course import load
+from crosstrace.translators.errors import UsageError
+from crosstrace.translators.scene import Scene
+
+
+@dataclass(frozen=True)
+class Source:
+    """A scene under the name by which a report tells it from others; `title` may be empty."""
+
+    name: str
+    scene: Scene
+    title: str = ""
+    about: str = ""
+    packaged: bool = False
+
+
+def packaged_names() -> tuple[str, ...]:
+    """Return the names of the packaged course scenes, in the order of their index."""
+    return tuple(_index())
+
+
+def find(
+    texts: Iterable[str] = (),
+    *,
+    delivery: int | None = None,
+    size: tuple[int, int] | None = None,
+) -> list[Source]:
+    """Read every scene named; none named: the packaged course scenes.
+
+    `size` (rows, columns) overrides the resolution. Names are made different where they are not.
+    Raises UsageError for what is neither a file, a folder with scenes nor a packaged name, and
+    SceneError for the first scene that is malformed, before anything is rendered.
+    """
+    found: list[Source] = []
+    for text in list(texts) or packaged_names():
+        found += _sources(text, delivery)
+    if not found:
+        raise UsageError("expected scenes, found none")
+    taken: set[str] = set()
+    return [_distinct(_resized(source, size), taken) for source in found]
+
+
+def find_one(
+    text: str, *, delivery: int | None = None, size: tuple[int, int] | None = None
+) -> Source:
+    """Read one scene; raises UsageError where a folder is named that holds several."""
+    found = find([text], delivery=delivery, size=size)
+    if len(found) > 1:
+        raise UsageError(f"{text}: expected one scene, found a folder of {len(found)}")
+    return found[0]
+
+
+def _sources(text: str, delivery: int | None) -> list[Source]:
+    path = Path(text)
+    if path.is_dir():
+        inside = sorted(path.glob("*.txt"))
+        if not inside:
+            raise UsageError(f"{text}: expected a folder of .txt scenes, found none")
+        return [_from_file(file, delivery) for file in inside]
+    if path.exists():
+        return [_from_file(path, delivery)]
+    entry = _index().get(text)
+    if entry is None:
+        known = ", ".join(packaged_names()) or "none"
+        raise UsageError(
+            f"{text}: expected a scene file, a folder or a packaged scene ({known}), found neither"
+        )
+    with as_file(_folder() / entry["file"]) as file:
+        scene = load(file, delivery)
+    scene = replace(scene, path=f"crosstrace:{text}", name=text)
+    return [Source(text, scene, entry.get("title", ""), entry.get("about", ""), packaged=True)]
+
+
+def _from_file(path: Path, delivery: int | None) -> Source:
+    scene = load(path, delivery)
+    return Source(scene.name, scene)
+
+
+def _resized(source: Source, size: tuple[int, int] | None) -> Source:
+    return source if size is None else replace(source, scene=source.scene.resized(*size))
+
+
+def _distinct(source: Source, taken: set[str]) -> Source:
+    name, count = source.name, 1
+    while name in taken:
+        count += 1
+        name = f"{source.name}-{count}"
+    taken.add(name)
+    return replace(source, name=name)
+
+
+def _folder() -> Traversable:
+    return files("crosstrace.scenes") / "course"
+
+
+def _index() -> dict[str, dict[str, Any]]:
+    try:
+        entries = json.loads((_folder() / "index.json").read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    return {entry["name"]: entry for entry in entries}

@@ -1,0 +1,62 @@
+"""What runs inside a worker process: the calls of one lane.
+
+Every function here is sent by name, so it takes and returns plain data. `progress` is given by the
+worker where the caller wants to be told.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from crosstrace.harness.lanes import loaded
+from crosstrace.harness.memory import PeakMemory
+from crosstrace.translators.errors import RendererError, UnsupportedSceneError
+from crosstrace.translators.renderer import (
+    Probe,
+    Progress,
+    Rendering,
+    RenderOptions,
+    Translation,
+)
+from crosstrace.translators.scene import Scene
+
+
+def probe(lane: str) -> Probe:
+    """Ask a lane whether it works here."""
+    return loaded(lane).probe()
+
+
+def translate(lane: str, scene: Scene, options: RenderOptions) -> Translation:
+    """Have a lane write a scene in its own language."""
+    return loaded(lane).translate(scene, options)
+
+
+def render(
+    lane: str, scene: Scene, options: RenderOptions, progress: Progress | None = None
+) -> tuple[Rendering, float]:
+    """Render and check what comes back; return it with the peak memory in MiB.
+
+    The time to load the lane's own code counts as start-up of the first image of a process. Raises
+    UnsupportedSceneError beyond a declared limit, RendererError where the answer is no image.
+    """
+    started = time.perf_counter()
+    renderer = loaded(lane)
+    loading_s = time.perf_counter() - started
+    limits = renderer.capabilities
+    for what, value, limit in (
+        ("objects", len(scene), limits.max_objects),
+        ("bounces", scene.max_depth, limits.max_depth),
+        ("pixels", scene.v_res * scene.h_res, limits.max_pixels),
+    ):
+        if limit is not None and value > limit:
+            raise UnsupportedSceneError(f"{renderer.name} takes at most {limit} {what}, not {value}")
+    with PeakMemory() as memory:
+        made = renderer.render(scene, options, progress)
+    if not isinstance(made.image, np.ndarray) or made.image.shape != scene.shape:
+        found = getattr(made.image, "shape", type(made.image).__name__)
+        raise RendererError(f"{renderer.name}: expected an image {scene.shape}, found {found}")
+    made.image = np.ascontiguousarray(made.image, np.float64)
+    made.seconds.startup += loading_s
+    return made, memory.mib
