@@ -35,9 +35,8 @@ def stock(scene: Scene) -> list[Element]:
     """
     _, first, which = np.unique(scene.color, axis=0, return_index=True, return_inverse=True)
     paints = [_paint(scene.color[i], f"paint_{k}") for k, i in enumerate(first)]
-    shapes = [
-        _shape(scene, i, {"material": Reference(f"paint_{k}")}) for i, k in enumerate(which.ravel())
-    ]
+    worn = which.ravel()
+    shapes = [_shape(scene, i, Reference(f"paint_{worn[i]}")) for i in _distinct(scene)]
     shell: dict[str, Value] = {
         "center": Point(_triple(scene.eye)), "radius": SHELL * _extent(scene),
         "material": Reference("paint_background"),
@@ -68,10 +67,8 @@ def single(scene: Scene, effects: Collection[str]) -> list[Element]:
     keys = np.concatenate([scene.color, scene.material], axis=1)
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     materials = [_phong(scene, i, f"material_{k}", effects) for k, i in enumerate(first)]
-    shapes = [
-        _shape(scene, i, {"material": Reference(f"material_{k}")})
-        for i, k in enumerate(which.ravel())
-    ]
+    worn = which.ravel()
+    shapes = [_shape(scene, i, Reference(f"material_{worn[i]}")) for i in _distinct(scene)]
     whitted = Element("integrator", "crosstrace_whitted", "integrator", _recursion(scene, effects))
     return [whitted, _pinhole(scene), *materials, *shapes, *_lights(scene)]
 
@@ -120,15 +117,23 @@ def _phong(
     return Element("bsdf", "crosstrace_phong", name, values | (surface or {}))
 
 
-def _shape(
-    scene: Scene, i: int, values: dict[str, Value], children: tuple[Element, ...] = ()
-) -> Element:
+def _distinct(scene: Scene) -> list[int]:
+    """Return the objects without those whose surface an earlier one has, number for number.
+
+    At equal distance the object first in the file wins, so the others cannot be seen, and what they
+    block the first one blocks; Mitsuba's ray queries would take either.
+    """
+    keys = np.column_stack([scene.kind, scene.geometry])
+    return [int(i) for i in np.sort(np.unique(keys, axis=0, return_index=True)[1])]
+
+
+def _shape(scene: Scene, i: int, material: Reference) -> Element:
     place, rest = scene.geometry[i, :3], scene.geometry[i, 3:]
     if scene.is_sphere[i]:
-        own: dict[str, Value] = {"center": Point(_triple(place)), "radius": float(rest[0])}
-        return Element("shape", "sphere", f"object_{i}", own | values, children)
-    own = {"to_world": _disk(scene.eye, place, rest)}
-    return Element("shape", "disk", f"object_{i}", own | values, children)
+        ball: dict[str, Value] = {"center": Point(_triple(place)), "radius": float(rest[0])}
+        return Element("shape", "sphere", f"object_{i}", ball | {"material": material})
+    disk: dict[str, Value] = {"to_world": _disk(scene.eye, place, rest), "material": material}
+    return Element("shape", "disk", f"object_{i}", disk)
 
 
 def _disk(eye: Array, point: Array, normal: Array) -> Matrix:

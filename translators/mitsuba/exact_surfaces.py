@@ -55,22 +55,16 @@ class Surfaces:
             best, index = _scan(columns, test, origin, direction, primary, active, best, index)
         return self._describe(origin, direction, best, index, active)
 
-    def blocked(self, origin: Any, direction: Any, limit: Any, active: Any) -> Any:
-        """Say for which active rays any object lies at 0 < t < limit."""
-        width = dr.width(direction)
-        hidden = dr.full(dr.mask_t(limit), False, width)
-        for columns, test in ((self._spheres, _sphere), (self._planes, _plane)):
+    def blocked(self, origin: Any, direction: Any, light: Any, distance: Any, active: Any) -> Any:
+        """Say for which active rays any object lies strictly between origin and light.
 
-            def body(i: Any, hidden: Any, columns: Any = columns, test: Any = test) -> Any:
-                t, _, _ = test(columns, i, origin, direction, False, active & ~hidden)
-                return i + 1, hidden | (active & (t > 0) & (t < limit))
-
-            _, hidden = dr.while_loop(
-                (dr.zeros(mi.UInt32, width), hidden),
-                lambda i, hidden, columns=columns: active & ~hidden & (i < columns.count),
-                body,
-                label="shadow",
-            )
+        Decided by the sides on which the two ends lie and not by t < distance, so that a light
+        exactly on a surface is not put into its shadow by rounding. No distance, no blocker.
+        """
+        hidden = dr.full(dr.mask_t(distance), False, dr.width(direction))
+        ray = (origin, direction, light, distance)
+        for columns, test in ((self._spheres, _sphere_between), (self._planes, _plane_between)):
+            hidden = _any(columns, test, ray, active & (distance > 0), hidden)
         return hidden
 
     def _describe(self, o: Any, d: Any, t: Any, index: Any, active: Any) -> Hit:
@@ -114,6 +108,17 @@ def _scan(
     return loop[1], loop[2]
 
 
+def _any(columns: _Columns, test: Any, ray: tuple[Any, ...], active: Any, hidden: Any) -> Any:
+    def body(i: Any, hidden: Any) -> Any:
+        numbers, _, _ = _row(columns, i, active & ~hidden)
+        return i + 1, hidden | (active & test(numbers, *ray))
+
+    state = (dr.zeros(mi.UInt32, dr.width(hidden)), hidden)
+    return dr.while_loop(
+        state, lambda i, hidden: active & ~hidden & (i < columns.count), body, label=test.__name__
+    )[1]
+
+
 def _row(columns: _Columns, i: Any, active: Any) -> tuple[list[Any], Any, Any]:
     numbers = [dr.gather(mi.Float64, column, i, active) for column in columns.numbers]
     own = dr.gather(mi.UInt32, columns.index, i, active)
@@ -144,3 +149,24 @@ def _plane(columns: _Columns, i: Any, o: Any, d: Any, primary: Any, active: Any)
     n = mi.Vector3d(nx, ny, nz)
     t = dr.dot(mi.Vector3d(px, py, pz) - o, n) / dr.dot(d, n)
     return dr.select(primary & eye_on, -1, t), own, eye_on
+
+
+def _sphere_between(numbers: list[Any], o: Any, d: Any, light: Any, distance: Any) -> Any:
+    """Say whether the sphere's surface is met strictly between `o` and the light along `d`."""
+    x, y, z, radius = numbers
+    square = radius * radius
+    center = mi.Vector3d(x, y, z)
+    f = o - center
+    from_o, from_light = dr.squared_norm(f) - square, dr.squared_norm(light - center) - square
+    b = -dr.dot(f, d)
+    through = (square - dr.squared_norm(dr.fma(d, b, f)) > 0) & (b > 0) & (b < distance)
+    outside = dr.select(from_light < 0, True, through)
+    return dr.select(from_o < 0, from_light > 0, outside)
+
+
+def _plane_between(numbers: list[Any], o: Any, d: Any, light: Any, distance: Any) -> Any:
+    """Say whether `o` and the light lie strictly on two sides of the plane."""
+    px, py, pz, nx, ny, nz = numbers
+    point, n = mi.Vector3d(px, py, pz), mi.Vector3d(nx, ny, nz)
+    side, other = dr.dot(o - point, n), dr.dot(light - point, n)
+    return ((side < 0) & (other > 0)) | ((side > 0) & (other < 0))

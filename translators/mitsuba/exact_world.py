@@ -84,7 +84,8 @@ class ExactWorld:
         ks, eta = (self._coefficient(hit, k, on) if specular else None for k in (2, 3))
 
         def body(j: Any, total: Any) -> Any:
-            apart = dr.gather(mi.Vector3d, self._light_position, j, on) - hit.point
+            light = dr.gather(mi.Vector3d, self._light_position, j, on)
+            apart = light - hit.point
             distance = dr.norm(apart)
             to_light = apart / distance
             share = dr.zeros(mi.Vector3d, dr.width(total))
@@ -97,7 +98,8 @@ class ExactWorld:
             if "shadows" in self._effects:
                 start = dr.fma(to_light, EPSILON, hit.point)
                 # From there the light is ε nearer; one within ε of the point is never blocked.
-                lit &= ~self._surfaces.blocked(start, to_light, distance - EPSILON, lit)
+                left = distance - EPSILON
+                lit &= ~self._surfaces.blocked(start, to_light, light, left, lit)
             share *= dr.gather(mi.Vector3d, self._light_color, j, on)
             return j + 1, total + dr.select(lit, share, 0)
 

@@ -32,7 +32,8 @@ mi.set_variant("llvm_ad_rgb")
 good = dr.all(dr.maximum(mi.Float([1, 2]), 1.5) == mi.Float([1.5, 2]))
 good &= dr.all(mi.Float64([1, 2]) / 4 == mi.Float64([0.25, 0.5]))
 llvm = ".".join(map(str, dr.detail.llvm_version()))
-print(json.dumps({"good": bool(good), "mitsuba": mi.__version__, "drjit": dr.__version__, "llvm": llvm}))
+found = {"good": bool(good), "mitsuba": mi.__version__, "drjit": dr.__version__, "llvm": llvm}
+print(json.dumps(found))
 """
 
 

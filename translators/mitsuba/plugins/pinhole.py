@@ -4,7 +4,7 @@
 |---|---|---|
 | `eye`, `target`, `up` | point | E, L and up, world units |
 | `pixel_size`, `screen_distance` | float | s and d, world units |
-| `near` | float | float32 rays start at this distance in front of E, measured along the view (1e-2) |
+| `near` | float | float32 rays start this far in front of E, along the view (1e-2) |
 
 The directions are worked out in Float64 through the centres of the film's pixels. Mitsuba's rays
 are float32: they are rounded once. `directions` gives them unrounded.

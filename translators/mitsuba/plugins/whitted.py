@@ -1,4 +1,4 @@
-"""`crosstrace_whitted`: the specification's recursion through Mitsuba's own ray queries, in float32.
+"""`crosstrace_whitted`: the specification's recursion on Mitsuba's own ray queries, in float32.
 
 | parameter | type | meaning |
 |---|---|---|
@@ -42,10 +42,12 @@ class Whitted(mi.SamplingIntegrator):
         self._depth = dr.opaque(mi.UInt32, self._max_depth)
         self._effects = frozenset(props.get("effects", " ".join(EFFECTS)).split())
         self._branches = bool(props.get("branches", True))
-        flags, asked = mi.BSDFFlags, self._effects
-        lobes = {"diffuse": flags.DiffuseReflection, "specular": flags.GlossyReflection,
-                 "reflection": flags.DeltaReflection, "refraction": flags.DeltaTransmission}  # fmt: skip
-        self._lobes = sum(int(lobe) for name, lobe in lobes.items() if name in asked)
+        flags = mi.BSDFFlags
+        lobes = {
+            "diffuse": flags.DiffuseReflection, "specular": flags.GlossyReflection,
+            "reflection": flags.DeltaReflection, "refraction": flags.DeltaTransmission,
+        }  # fmt: skip
+        self._lobes = sum(int(lobe) for name, lobe in lobes.items() if name in self._effects)
 
     def sample(
         self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True

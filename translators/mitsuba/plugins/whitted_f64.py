@@ -1,8 +1,9 @@
 """`crosstrace_whitted_f64`: the specification's recursion with every computation in Float64.
 
-Takes the parameters of `crosstrace_whitted`, and the objects as nested `crosstrace_phong` BSDFs that
-hold their surface, in the order of their ids (`object_0`, `object_1`, …): Mitsuba's own shapes are
-float32. It needs a `crosstrace_pinhole` and `crosstrace_point` lights with ids in the same manner.
+Takes the parameters of `crosstrace_whitted`, and the objects as nested `crosstrace_phong` BSDFs
+that hold their surface, in the order of their ids (`object_0`, `object_1`, …): Mitsuba's own
+shapes are float32. It needs a `crosstrace_pinhole`, and `crosstrace_point` lights with ids in the
+same manner.
 
 `image64` holds the last image as float64, (height, width, 3); `render` returns it as float32.
 """
