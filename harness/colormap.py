@@ -25,6 +25,9 @@ NOT_A_NUMBER = (255, 0, 255)
 #: The difference scale runs in decades of |a − b| on linear float.
 LEAST_DECADE, GREATEST_DECADE = -9, 0
 
+#: The similarity scale runs in decades of 1 − SSIM, up to 1.
+LEAST_UNLIKE_DECADE = -6
+
 
 def ramp(position: NDArray[np.floating[Any]]) -> NDArray[np.uint8]:
     """Colour positions 0…1 (clipped) as (…, 3) 8-bit sRGB; NaN becomes `NOT_A_NUMBER`."""
@@ -46,13 +49,15 @@ def difference_picture(per_pixel: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 
 def similarity_picture(full: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Draw 1 − SSIM, the mean over the channels of a map (v_res, h_res, 3), on the scale 0…1.
+    """Draw SSIM, the mean over the channels of a map (v_res, h_res, 3), by 1 − SSIM on 1e-6…1.
 
-    Dark is alike and light is unlike, as in the difference picture; 1 − SSIM above 1 is cut.
+    Dark is alike and light is unlike, as in the difference picture; 1 − SSIM above 1 is cut, and
+    below 1e-9, the rounding of the window's sums, it counts as none.
     """
     unlike = 1.0 - full.mean(axis=2)
-    colors = ramp(unlike)
-    colors[unlike <= 0.0] = NOTHING
+    decades = np.log10(np.maximum(unlike, 1e-300))
+    colors = ramp(1.0 - decades / LEAST_UNLIKE_DECADE)
+    colors[unlike <= 1e-9] = NOTHING
     return colors
 
 
@@ -71,7 +76,12 @@ def difference_ticks() -> list[tuple[float, str]]:
 
 def similarity_ticks() -> list[tuple[float, str]]:
     """Return (position 0…1, label) of the similarity scale, labelled by SSIM itself."""
-    return [(0.0, "1"), (0.25, "0.75"), (0.5, "0.5"), (0.75, "0.25"), (1.0, "≤ 0")]
+    labels = ("0.999999", "0.9999", "0.99", "0.9", "≤ 0")
+    decades = (-6, -4, -2, -1, 0)
+    return [
+        (1 - decade / LEAST_UNLIKE_DECADE, label)
+        for decade, label in zip(decades, labels, strict=True)
+    ]
 
 
 def _table(size: int = 256) -> NDArray[np.uint8]:

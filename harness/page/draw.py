@@ -34,7 +34,9 @@ def page(report: Mapping[str, Any]) -> str:
         "count": count,
         "swatch": swatch,
         "link": link,
-        "seconds": lambda value: "–" if value is None else f"{value:.3g}",
+        "seconds": seconds,
+        "similarity": similarity,
+        "mib": lambda value: "–" if value is None else f"{value:.0f}",
     }
     return environment.get_template("report.html.j2").render(
         report=report,
@@ -58,6 +60,20 @@ def significant(value: float | None, digits: int = 2) -> str:
         return f"{value:.{digits}g}" if abs(value) < 10 else f"{value:.{digits + 2}g}"
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     return f"{mantissa}e{int(exponent)}"
+
+
+def seconds(value: float | None) -> str:
+    """Return seconds to the millisecond, or to a tenth from ten on; a dash for none."""
+    if value is None:
+        return "–"
+    return f"{value:.3f}" if value < 10 else f"{value:.1f}"
+
+
+def similarity(value: float | None) -> str:
+    """Return an SSIM so that only exactly 1 reads as 1: 0.999964, 1 − 3e-9."""
+    if value is None or value == 1:
+        return "–" if value is None else "1"
+    return f"1 − {significant(1 - value, 1)}" if value > 1 - 5e-7 else f"{value:.6f}"
 
 
 def count(value: int | None) -> str:
