@@ -1,121 +1,97 @@
-"""The command `crosstrace`: which subcommands there are, and what ends with which exit status.
+"""The command `crosstrace`: what it offers, and how it ends.
 
-0: done, everything agrees or nothing was judged. 1: a scene disagrees. 2: wrong usage or bad input.
-3: a renderer is missing or failed. 70: a fault of this program. 130: interrupted. Subcommands are
-imported when they are called, and what they need inside them, so that help comes at once.
+A command's module is imported only when it is called, and nothing heavy before it is needed, so
+that `crosstrace --help` answers at once. Exit status: 0 all is well, 1 a scene disagrees, 2 wrong
+usage or bad input, 3 a renderer is missing or failed, 130 interrupted.
 """
 
 from __future__ import annotations
 
 import os
-import signal
 import sys
-from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
 import click
 
-from crosstrace.translators.errors import CrosstraceError, RendererError, SceneError
+from crosstrace.translators.errors import CrosstraceError, RendererError
 
-#: Subcommand → its line in the help. Each stands in the module of its name in `commands/`.
+USAGE, RENDERER, INTERRUPTED = 2, 3, 130
+
+#: Command → the line that `--help` shows. Each stands in `commands/<name>.py` as `command`.
 COMMANDS = {
-    "run": "Render scenes through every renderer and write a report.",
-    "render": "Render one scene with one renderer.",
+    "run": "Render scenes with every renderer, compare them, write a report.",
+    "render": "Render one image.",
     "translate": "Write a scene in another renderer's language.",
     "compare": "Compare two images.",
-    "effects": "Say what a scene calls for, object by object.",
-    "report": "Draw the page again from a report.json.",
+    "effects": "Say which effects a scene calls for.",
+    "report": "Draw the page of a report.json again.",
     "doctor": "Say which renderers work here.",
 }
 
 
-class _Group(click.Group):
-    """Imports a subcommand when it is called; the help needs none of them."""
+class LazyGroup(click.Group):
+    """A group whose commands are imported when they are called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the commands in the order of the table."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return a command."""
         if cmd_name not in COMMANDS:
             return None
-        module = import_module(f"crosstrace.harness.commands.{cmd_name}")
-        command: click.Command = module.command
+        command: click.Command = import_module(f"crosstrace.harness.commands.{cmd_name}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands from the table, without importing them."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-def _show_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
+def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     if wanted and not ctx.resilient_parsing:
-        import crosstrace
+        from importlib.metadata import version
 
-        click.echo(f"crosstrace {crosstrace.__version__}")
+        click.echo(f"crosstrace {version('crosstrace')}")
         ctx.exit()
 
 
-@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option(
-    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_version,
-    help="Print the version.",
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version,
+    help="Show the version and exit.",
 )  # fmt: skip
-def cli() -> None:
-    """Render one scene through independent ray tracers and compare them pixel by pixel.
+def group() -> None:
+    """Cross-validate ray tracers: one scene, independent renderers, every difference named.
 
-    A SCENE is a file of the course's format, a folder of them, or the name of a packaged scene.
+    A SCENE is a file in the course's format, a folder of such files, or the name of a packaged
+    scene (such as vidro4). No scene named: all packaged course scenes.
     """
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command and end the process with its exit status."""
-    signal.signal(signal.SIGTERM, _terminate)
-    status = _status(sys.argv[1:] if arguments is None else list(arguments))
+def main(arguments: list[str] | None = None) -> Any:
+    """Run the command line and end the process with its exit status."""
     try:
+        status = group.main(args=arguments, prog_name="crosstrace", standalone_mode=False)
         sys.stdout.flush()
-    except BrokenPipeError:
-        status = _reader_gone()
-    sys.exit(status)
-
-
-def _status(arguments: list[str]) -> int:
-    try:
-        with cli.make_context("crosstrace", arguments) as context:
-            result: Any = cli.invoke(context)
-            return result if isinstance(result, int) else 0
-    except click.exceptions.Exit as end:
-        return end.exit_code
+    except click.exceptions.Abort:
+        _end(INTERRUPTED, "interrupted")
+    except KeyboardInterrupt:
+        _end(INTERRUPTED, "interrupted")
     except click.ClickException as error:
         error.show()
-        return 2
-    except (KeyboardInterrupt, click.Abort):
-        click.echo("crosstrace: interrupted", err=True)
-        return 130
-    except CrosstraceError as error:
-        return _told(error)
+        sys.exit(USAGE)
     except BrokenPipeError:
-        return _reader_gone()
-    except Exception:
-        import traceback
-
-        traceback.print_exc()
-        return 70
-
-
-def _told(error: CrosstraceError) -> int:
-    # A scene's error starts with the file's name, as editors expect it.
-    prefix = "" if isinstance(error, SceneError) else "crosstrace: "
-    click.echo(f"{prefix}{error}", err=True)
-    return 3 if isinstance(error, RendererError) else 2
+        # The reader has seen enough; nothing may be written at exit either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except CrosstraceError as error:
+        _end(RENDERER if isinstance(error, RendererError) else USAGE, str(error))
+    sys.exit(status if isinstance(status, int) else 0)
 
 
-def _reader_gone() -> int:
-    """Whoever read our output has left, as `head` does: end without a word."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    return 128 + signal.SIGPIPE
-
-
-def _terminate(number: int, _: Any) -> None:
-    # An exception, so that workers are killed and scratch files removed on the way out.
-    sys.exit(128 + number)
+def _end(status: int, text: str) -> None:
+    click.echo(f"crosstrace: {text}", err=True)
+    sys.exit(status)

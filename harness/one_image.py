@@ -1,62 +1,65 @@
-"""One rendering as an image file of the user's choice, with its provenance."""
+"""One image at a time, in a worker process: for `crosstrace render` and the Python API.
+
+A renderer that crashes or hangs cannot take the caller down.
+"""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable
-from dataclasses import asdict
-from pathlib import Path
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from crosstrace.harness import images
-from crosstrace.harness.display import DisplayRule
-from crosstrace.harness.environment import package_version
-from crosstrace.harness.sources import Source
-from crosstrace.translators import readings as specification
-from crosstrace.translators.errors import UsageError
-from crosstrace.translators.renderer import Rendering
+from crosstrace.harness import tasks
+from crosstrace.harness.jobs import Task, WorkerPool
+from crosstrace.harness.lanes import chosen
+from crosstrace.harness.session import Event
+from crosstrace.translators.renderer import Rendering, RenderOptions, Translation
+from crosstrace.translators.scene import Scene
+
+#: What the worker may take beyond the renderer's own limit before it is killed.
+_GRACE_S = 5.0
 
 
-def readings(settings: Iterable[str]) -> tuple[DisplayRule, dict[str, str]]:
-    """Part `name=value` texts into the display rule and the renderer's readings.
+def render(
+    lane: str,
+    scene: Scene,
+    options: RenderOptions,
+    observe: Callable[[Event], None] | None = None,
+) -> Rendering:
+    """Render a scene with one lane; raises what the lane raises, RendererError where it dies."""
+    (lane,) = chosen([lane])
 
-    Raises UsageError for a name or value that neither knows.
-    """
-    display, others = [], []
-    for setting in settings:
-        name, equals, value = setting.partition("=")
-        is_display = name.strip() in ("overflow", "quantise") and equals
-        (display if is_display else others).append((name.strip(), value.strip(), setting))
-    rule, _ = DisplayRule.split({name: value for name, value, _ in display})
-    try:
-        return rule, specification.parse(setting for _, _, setting in others)
-    except (TypeError, ValueError) as error:
-        raise UsageError(str(error)) from error
+    def tell(fraction: float) -> None:
+        if observe is not None:
+            observe(Event(round(1000 * fraction), 1000, f"{scene.name} by {lane}"))
 
-
-def save(path: Path, source: Source, lane: str, made: Rendering, rule: DisplayRule) -> dict[str, Any]:
-    """Write the image and return a JSON-ready record of it."""
-    metadata = provenance(source, lane, made)
-    images.write(path, made.image, metadata=metadata, layers=made.layers, rule=rule)
-    return {
-        "file": str(path),
-        "sha256": images.sha256(path),
-        "scene": source.name,
-        "scene_sha256": source.scene.sha256,
-        "renderer": lane,
-        "seconds": asdict(made.seconds),
-        "half_step": made.half_step,
-        "settings": made.settings,
-        "messages": made.messages,
-    }
+    limit = None if options.timeout_s is None else options.timeout_s + _GRACE_S
+    task = Task(tasks.render, affinity=lane, timeout_s=limit, label=lane, on_progress=tell)
+    rendering, _ = _run(task, lane, scene, options)
+    made: Rendering = rendering
+    return made
 
 
-def provenance(source: Source, lane: str, made: Rendering) -> dict[str, str]:
-    """Return the metadata of an image file."""
-    return {
-        "version": package_version(),
-        "scene": source.name,
-        "scene_sha256": source.scene.sha256,
-        "renderer": lane,
-        "settings": json.dumps(made.settings, default=str),
-    }
+def translate(lane: str, scene: Scene, options: RenderOptions | None = None) -> Translation:
+    """Write a scene in a lane's own language."""
+    (lane,) = chosen([lane])
+    task = Task(tasks.translate, affinity=lane, label=lane)
+    translation: Translation = _run(task, lane, scene, options or RenderOptions())
+    return translation
+
+
+def certify(scene: Scene, readings: Mapping[str, str]) -> dict[str, Any]:
+    """Return `lo` and `hi` (v_res, h_res, 3) and `undecidable` (v_res, h_res)."""
+    from crosstrace.translators.native.truth import certify as enclose
+
+    known = enclose(scene, readings)
+    return {"lo": known.lo, "hi": known.hi, "undecidable": known.undecidable}
+
+
+def _run(task: Task, *arguments: Any) -> Any:
+    with WorkerPool(1) as pool:
+        future = pool.submit(task, *arguments)
+        try:
+            return future.result()
+        except KeyboardInterrupt:
+            pool.kill()
+            raise

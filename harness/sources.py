@@ -62,6 +62,23 @@ def find_one(
     return found[0]
 
 
+def from_scenes(
+    scenes: Iterable[Scene | Source], size: tuple[int, int] | None = None
+) -> list[Source]:
+    """Name scenes for a report, differently where they share a name; `size` as for `find`."""
+    taken: set[str] = set()
+    named = (it if isinstance(it, Source) else _named(it) for it in scenes)
+    return [_distinct(_resized(source, size), taken) for source in named]
+
+
+def _named(scene: Scene) -> Source:
+    prefix, _, name = scene.path.partition(":")
+    entry = _index().get(name) if prefix == "crosstrace" else None
+    if entry is None:
+        return Source(scene.name or "scene", scene)
+    return Source(name, scene, entry.get("title", ""), entry.get("about", ""), packaged=True)
+
+
 def _sources(text: str, delivery: int | None) -> list[Source]:
     path = Path(text)
     if path.is_dir():

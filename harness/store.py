@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness import colormap, images, tasks
+from crosstrace.harness import colormap, images, record, tasks
 from crosstrace.harness.lanes import loaded
 from crosstrace.harness.metrics import difference, measure, pixel_difference
 from crosstrace.harness.ssim import similarity
-from crosstrace.translators.renderer import RenderOptions
+from crosstrace.translators.renderer import Progress, RenderOptions
 from crosstrace.translators.scene import Scene
 
 
@@ -42,10 +42,16 @@ class Place:
 
 
 def render_to_files(
-    lane: str, scene: Scene, options: RenderOptions, version: str, pixels: Path, place: Place
+    lane: str,
+    scene: Scene,
+    options: RenderOptions,
+    version: str,
+    pixels: Path,
+    place: Place,
+    progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Render; leave float64 pixels in `pixels`, an EXR and a PNG at `place`; return the record."""
-    made, peak_mib = tasks.render(lane, scene, options)
+    made, peak_mib = tasks.render(lane, scene, options, progress)
     np.save(pixels, made.image, allow_pickle=False)
     metadata = {
         "scene": scene.name,
@@ -66,7 +72,7 @@ def render_to_files(
         "nonfinite": int(finite.size - np.count_nonzero(finite)),
         "settings": made.settings,
         "messages": made.messages,
-        "ledger": [asdict(entry) for entry in loaded(lane).ledger(scene)],
+        "ledger": record.ledger(loaded(lane).ledger(scene)),
         "images": {"exr": place.entry(".exr"), "png": place.entry(".png")},
     }
 
@@ -93,6 +99,7 @@ def compare_files(a: Path, b: Path, place: Place, version: str) -> dict[str, Any
         "differing": numbers.differing,
         "nonfinite": numbers.nonfinite,
         "worst": [asdict(pixel) for pixel in numbers.worst],
+        "message": "",
         "images": {
             kind: _picture(place, f".{kind}.png", picture, names)
             for kind, picture in pictures.items()

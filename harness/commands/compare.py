@@ -1,73 +1,43 @@
-"""`crosstrace compare`: the numbers of two image files."""
+"""`crosstrace compare`: numbers about two images."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
 from crosstrace.harness.commands import options
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+from crosstrace.translators.errors import UsageError
 
 
-@click.command(name="compare")
-@click.argument("a", type=click.Path(path_type=Path), metavar="A")
-@click.argument("b", type=click.Path(path_type=Path), metavar="B")
-@click.option("--scene", metavar="SCENE", help="The scene that both show.")
-@options.as_json
-def command(a: Path, b: Path, scene: str | None, as_json: bool) -> None:
-    """Compare the images A and B, of one size, on linear float.
-
-    8-bit values v count as v / 255. The numbers inform; no verdict is drawn from them.
-    """
-    from crosstrace.harness import api, console
+@click.command()
+@click.argument("a", type=click.Path(path_type=Path))
+@click.argument("b", type=click.Path(path_type=Path))
+@click.option("--scene", help="The scene that both show: checks their size.")
+@options.delivery
+@options.json_output
+def command(a: Path, b: Path, scene: str | None, delivery: int | None, as_json: bool) -> None:
+    """Compare the images A and B on linear float, and by SSIM on the display colour."""
+    from crosstrace.harness import console, images, record
+    from crosstrace.harness.metrics import measure
     from crosstrace.harness.sources import find_one
+    from crosstrace.harness.ssim import similarity
 
-    known = None if scene is None else find_one(scene).scene
-    found = api.compare(a, b, scene=known)
-    numbers = asdict(found.metrics)
-    record = {
-        "a": str(a),
-        "b": str(b),
-        "scene_sha256": None if known is None else known.sha256,
-        "ssim": found.ssim,
-        **numbers.pop("over"),
-        **numbers,
-    }
+    first, second = images.read(a), images.read(b)
+    numbers = measure(first, second)
+    if scene is not None:
+        shape = find_one(scene, delivery=delivery).scene.shape
+        if first.shape != shape:
+            wanted, found = (f"{s[0]}x{s[1]}" for s in (shape, first.shape))
+            raise UsageError(f"{a}: expected {wanted} pixels as the scene says, found {found}")
+    found = {
+        "a": str(a), "b": str(b), "max": numbers.max, "mean": numbers.mean, "bias": numbers.bias,
+        "rmse": numbers.rmse, "psnr": numbers.psnr, "ssim": similarity(first, second).mean,
+        **numbers.over, "pixels": numbers.pixels, "differing": numbers.differing,
+        "nonfinite": numbers.nonfinite, "worst": [asdict(pixel) for pixel in numbers.worst],
+    }  # fmt: skip
     if as_json:
-        console.print_json(record)
+        click.echo(record.dumps(found), nl=False)
     else:
-        click.echo(_text(record))
-
-
-def _text(record: Mapping[str, Any]) -> str:
-    from crosstrace.harness.console import table
-    from crosstrace.harness.page.draw import significant, similarity
-
-    identical = record["differing"] == 0
-    rows = [
-        ["max |a − b|", significant(record["max"], 6)],
-        ["mean |a − b|", significant(record["mean"], 6)],
-        ["mean a − b", significant(record["bias"], 6)],
-        ["RMSE", significant(record["rmse"], 6)],
-        ["PSNR", "identical" if identical else f"{significant(record['psnr'], 4)} dB"],
-        ["SSIM", similarity(record["ssim"])],
-        ["pixels beyond 1/255", str(record["over_1_255"])],
-        ["pixels beyond 1e-4", str(record["over_1e_4"])],
-        ["pixels beyond 1e-9", str(record["over_1e_9"])],
-        ["pixels differing", str(record["differing"])],
-        ["pixels not finite", str(record["nonfinite"])],
-        ["pixels", str(record["pixels"])],
-    ]
-    text = table(rows[0], rows[1:])
-    worst = [
-        [f"{p['row']}, {p['col']}", significant(p["difference"], 6),
-         " ".join(significant(v, 6) for v in p["a"]), " ".join(significant(v, 6) for v in p["b"])]
-        for p in record["worst"]
-    ]  # fmt: skip
-    head = ["worst at row, column", "|a − b|", "a", "b"]
-    return f"{text}\n\n{table(head, worst)}" if worst else text
+        console.comparison(found)

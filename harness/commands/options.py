@@ -1,4 +1,4 @@
-"""Options and arguments that several subcommands share."""
+"""Options that several commands share, and what their texts mean."""
 
 from __future__ import annotations
 
@@ -8,46 +8,45 @@ from typing import Any
 
 import click
 
-Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+from crosstrace.translators.errors import UsageError
 
-
-class Size(click.ParamType):
-    """Rows and columns of an image, written as 480x640."""
-
-    name = "RxC"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[int, int]:
-        """Return (rows, columns)."""
-        match = re.fullmatch(r"(\d{1,6})[xX×](\d{1,6})", str(value))
-        if not match or "0" in (match[1].lstrip("0") or "0", match[2].lstrip("0") or "0"):
-            self.fail(f"expected ROWSxCOLUMNS, as in 480x640, found {value!r}", param, ctx)
-        return int(match[1]), int(match[2])
-
-
-scene = click.argument("scene", metavar="SCENE")
-
+json_output = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+quiet = click.option("-q", "--quiet", is_flag=True, help="No progress, no summary.")
 delivery = click.option(
-    "--delivery", type=click.IntRange(1, 3), help="Read the scene as this delivery's format."
+    "--delivery", type=click.IntRange(1, 3), help="Read as this delivery, whatever the text says."
 )
 size = click.option(
-    "--size", type=Size(), help="Another resolution with the same field of view, as in 480x640."
+    "--size", metavar="RxC", help="Another resolution, rows x columns; the field of view stays."
 )
-as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON to standard output.")
-quiet = click.option("-q", "--quiet", is_flag=True, help="Print errors and results only.")
-settings = click.option(
-    "--set", "settings", multiple=True, metavar="READING=VALUE",
-    help="Another reading of the specification; may be repeated.",
+renderers = click.option(
+    "--renderers", metavar="A,B", help="Only these renderers; see `crosstrace doctor`."
+)
+timeout = click.option(
+    "--timeout", type=click.FloatRange(min=0, min_open=True), metavar="S", default=300.0,
+    show_default=True, help="Seconds after which a renderer is taken to hang.",
 )  # fmt: skip
 threads = click.option(
-    "--threads", type=click.IntRange(0), default=0, help="Threads of the renderer; 0: every core."
+    "--threads", type=click.IntRange(min=0), default=0, metavar="N", help="0: all cores."
+)
+readings = click.option(
+    "--set", "settings", multiple=True, metavar="NAME=VALUE",
+    help="Another reading of the specification, such as tir=ignore; may be repeated.",
+)  # fmt: skip
+precision = click.option(
+    "--precision", default="f64", show_default=True, help="Arithmetic of the native tracer."
 )
 
 
-def timeout(default: float | None) -> Decorator:
-    """Make the option that bounds the seconds of one image."""
-    return click.option(
-        "--timeout", "timeout_s", type=click.FloatRange(0, min_open=True), default=default,
-        show_default=default is not None, metavar="SECONDS", help="Give an image up after this.",
-    )  # fmt: skip
+def resolution(text: str | None) -> tuple[int, int] | None:
+    """Read `480x640` as (rows, columns); raises UsageError for anything else."""
+    if text is None:
+        return None
+    found = re.fullmatch(r"([1-9]\d{0,6})[xX×]([1-9]\d{0,6})", text)
+    if not found:
+        raise UsageError(f"--size: expected ROWSxCOLUMNS such as 480x640, found {text!r}")
+    return int(found[1]), int(found[2])
+
+
+def scene_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that say how a scene is read."""
+    return delivery(size(function))

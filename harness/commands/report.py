@@ -1,4 +1,4 @@
-"""`crosstrace report`: the page again, from its record."""
+"""`crosstrace report`: the page of a record, drawn again."""
 
 from __future__ import annotations
 
@@ -6,32 +6,19 @@ from pathlib import Path
 
 import click
 
-from crosstrace.harness.commands import options
 
-
-@click.command(name="report")
-@click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="HTML",
-              help="Where to write the page; default: report.html beside FILE.")  # fmt: skip
-@options.quiet
-def command(file: Path, output: Path | None, quiet: bool) -> None:
-    """Draw the page of a report.json; it shows the images that lie beside FILE."""
-    from crosstrace.harness import record
-    from crosstrace.harness.images import write_atomically
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path), metavar="REPORT.JSON")
+def command(file: Path) -> None:
+    """Draw the page beside REPORT.JSON again."""
+    from crosstrace.harness import images, record
     from crosstrace.harness.page import draw
-    from crosstrace.harness.publish import PAGE_NAME
-    from crosstrace.translators.errors import UsageError
 
-    report = record.loads(file)
-    try:
-        text = draw.page(report)
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
-        raise UsageError(f"{file}: expected a whole report, found: {error!r}") from error
-    target = output or file.with_name(PAGE_NAME)
-    write_atomically(target, lambda temporary: _write(temporary, text))
-    if not quiet:
-        click.echo(target)
+    html = draw.page(record.loads(file))
+    target = file.with_name("report.html")
+    images.write_atomically(target, lambda path: _fill(path, html))
+    click.echo(f"Report: {target}")
 
 
-def _write(path: Path, text: str) -> None:
+def _fill(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8")

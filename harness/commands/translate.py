@@ -1,4 +1,4 @@
-"""`crosstrace translate`: a scene in another renderer's own language."""
+"""`crosstrace translate`: a scene in another renderer's language."""
 
 from __future__ import annotations
 
@@ -7,53 +7,37 @@ from pathlib import Path
 import click
 
 from crosstrace.harness.commands import options
+from crosstrace.translators.errors import UsageError
 
 
-@click.command(name="translate")
-@options.scene
-@click.option("--to", "lane", required=True, metavar="LANE", help="mitsuba, povray, …")
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE",
-              help="Where to write it; default: standard output.")  # fmt: skip
-@options.settings
-@options.size
-@options.delivery
-@options.quiet
+@click.command()
+@click.argument("scene")
+@click.option("--to", "lane", required=True, type=click.Choice(["mitsuba", "mitsuba-f64", "povray"]))
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE")
+@options.scene_options
 def command(
-    scene: str,
-    lane: str,
-    output: Path | None,
-    settings: tuple[str, ...],
-    size: tuple[int, int] | None,
-    delivery: int | None,
-    quiet: bool,
+    scene: str, lane: str, output: Path | None, delivery: int | None, size: str | None
 ) -> None:
-    """Write SCENE in the language of another renderer, and say how to render it there."""
-    from crosstrace.harness import api, lanes, one_image
-    from crosstrace.harness.images import write_atomically
+    """Write SCENE for another renderer, to FILE or to standard output."""
+    resolution = options.resolution(size)
+    from crosstrace.harness import images, one_image
     from crosstrace.harness.sources import find_one
-    from crosstrace.translators.errors import UsageError
-    from crosstrace.translators.renderer import RenderOptions
 
-    (lane,) = lanes.chosen([lane])
-    _, readings = one_image.readings(settings)
-    source = find_one(scene, delivery=delivery, size=size)
-    made = api.translate(source.scene, lane, RenderOptions(readings=readings))
-    main, *others = made.files
+    source = find_one(scene, delivery=delivery, size=resolution)
+    made = one_image.translate(lane, source.scene)
+    names = list(made.files)
     if output is None:
-        if others:
-            raise UsageError(f"expected -o FILE: {lane} needs {1 + len(others)} files")
-        click.echo(made.files[main], nl=False)
+        if len(names) > 1:
+            raise UsageError(f"{lane} needs {len(names)} files: expected -o FILE")
+        click.echo(made.files[names[0]], nl=False)
         return
-    texts = {output: made.files[main]}
-    # A renderer names its files; where they go is the user's choice alone.
-    texts |= {output.with_name(Path(name).name): made.files[name] for name in others}
-    if len(texts) < len(made.files):
-        raise UsageError(f"{output}: expected a name other than those of the files beside it")
-    for path, text in texts.items():
-        write_atomically(path, lambda temporary, text=text: _write(temporary, text))
-    if not quiet:
-        click.echo(made.command.replace(main, str(output)))
+    # The main file takes the name asked for; others stand beside it under their own.
+    targets = [output, *(output.with_name(Path(name).name) for name in names[1:])]
+    for target, name in zip(reversed(targets), reversed(names), strict=True):
+        text = made.files[name]
+        images.write_atomically(target, lambda path, text=text: _fill(path, text))
+    click.echo(made.command.replace(names[0], str(output)), err=True)
 
 
-def _write(path: Path, text: str) -> None:
+def _fill(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8")

@@ -1,6 +1,5 @@
-"""`python -m crosstrace` is the command `crosstrace`."""
+"""`python -m crosstrace` is the console script."""
 
 from crosstrace.harness.cli import main
 
-if __name__ == "__main__":
-    main()
+main()

@@ -1,0 +1,222 @@
+"""Which job of a run follows which: probe, render, compare as soon as two images are there.
+
+All goes through one Executor. A renderer that is missing, hangs or dies leaves its mark in the
+record and takes nothing else down. Jobs are ordered so that pictures appear scene by scene, and a
+comparison goes before further renderings, so that scratch files do not pile up.
+"""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass, replace
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+from crosstrace.harness import record, store, tasks
+from crosstrace.harness.environment import package_version
+from crosstrace.harness.jobs import Task
+from crosstrace.harness.lanes import REFERENCE
+from crosstrace.harness.names import slug
+from crosstrace.harness.sources import Source
+from crosstrace.translators.errors import RendererMissingError
+from crosstrace.translators.renderer import Probe, RenderOptions
+
+#: A renderer that cannot say within this time whether it works does not.
+_PROBE_TIMEOUT_S = 60.0
+
+#: A renderer's own time limit gives the better message, so the worker's comes later.
+_GRACE_S = 5.0
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened in a run.
+
+    `kind` is ``start``, ``progress``, ``done`` or ``failed``; `what` names the work, as in
+    ``render`` or ``compare``; of a comparison `lane` names both, as in ``native-povray``. `done` of
+    `total` steps are behind it; `fraction` (0…1) is how far a rendering has come.
+    """
+
+    kind: str
+    scene: str
+    lane: str
+    what: str
+    done: int
+    total: int
+    message: str = ""
+    fraction: float = 0.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Where a session leaves its files and how it renders.
+
+    `root` is the directory of the report, `pixels` one for float64 images, both seen by every
+    worker. `options` go to every lane, its readings and its precision to the reference alone.
+    """
+
+    lanes: tuple[str, ...]
+    root: Path
+    pixels: Path
+    options: RenderOptions
+    timeout_s: float | None = None
+    observe: Callable[[Event], None] = lambda event: None
+
+
+class Session:
+    """Scenes through lanes by one executor; `observe` is called in the thread of `run`."""
+
+    def __init__(self, sources: Sequence[Source], settings: Settings, executor: Executor) -> None:
+        """Plan; nothing is submitted yet."""
+        self._sources, self._settings, self._executor = list(sources), settings, executor
+        self._lanes = settings.lanes
+        self._probes: dict[str, Probe] = {}
+        self._rendered: dict[tuple[int, str], dict[str, Any]] = {}
+        self._compared: dict[tuple[int, str, str], dict[str, Any]] = {}
+        # Answers come from other threads; all bookkeeping is done in one.
+        self._inbox: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._open = self._done = 0
+        self._pairs = tuple(combinations(self._lanes, 2))
+        self._total = len(self._sources) * (len(self._lanes) + len(self._pairs))
+        taken: set[str] = set()
+        self._folders = [slug(source.name, taken) for source in self._sources]
+        taken_lanes: set[str] = set()
+        self._files = {lane: slug(lane, taken_lanes) for lane in self._lanes}
+
+    def run(self) -> dict[str, Any]:
+        """Do it all and return the record; it has no times of the whole run yet."""
+        for lane in self._lanes:
+            task = Task(tasks.probe, affinity=lane, timeout_s=_PROBE_TIMEOUT_S, label=lane)
+            self._submit(task, (lane,), lambda future, lane=lane: self._on_probe(lane, future))
+        while self._open:
+            self._inbox.get()()
+        scenes = [self._scene(i) for i in range(len(self._sources))]
+        probes = {lane: self._probes[lane] for lane in self._lanes}
+        options = self._settings.options
+        settings = {
+            "readings": dict(options.readings),
+            "precision": options.precision,
+            "threads": options.threads,
+            "timeout_s": self._settings.timeout_s,
+        }
+        return record.report(scenes, probes, settings)
+
+    def _submit(
+        self, task: Task, arguments: tuple[Any, ...], then: Callable[[Future[Any]], None]
+    ) -> None:
+        self._open += 1
+
+        def answered(future: Future[Any]) -> None:
+            self._inbox.put(lambda: self._answer(future, then))
+
+        self._executor.submit(task, *arguments).add_done_callback(answered)
+
+    def _answer(self, future: Future[Any], then: Callable[[Future[Any]], None]) -> None:
+        self._open -= 1
+        then(future)
+
+    def _on_probe(self, lane: str, future: Future[Any]) -> None:
+        error = future.exception()
+        probe = Probe(False, reason=str(error)) if error else future.result()
+        self._probes[lane] = probe
+        for i in range(len(self._sources)):
+            if probe.available:
+                self._render(i, lane, probe.version)
+            elif error:
+                self._on_rendered(i, lane, record.failed(error))
+            else:
+                missing = RendererMissingError(probe.reason, probe.remedy)
+                self._on_rendered(i, lane, record.failed(missing))
+
+    def _render(self, i: int, lane: str, version: str) -> None:
+        settings, limit = self._settings, self._settings.timeout_s
+        options = replace(settings.options, timeout_s=limit)
+        if lane != REFERENCE:
+            options = replace(options, readings={}, precision="f64")
+        task = Task(
+            store.render_to_files,
+            affinity=lane,
+            rank=i,
+            timeout_s=None if limit is None else limit + _GRACE_S,
+            label=lane,
+            on_progress=lambda fraction: self._inbox.put(
+                lambda: self._tell("progress", i, lane, "render", "", fraction)
+            ),
+        )
+
+        def then(future: Future[Any]) -> None:
+            error = future.exception()
+            self._on_rendered(i, lane, record.failed(error) if error else future.result())
+
+        scene, place = self._sources[i].scene, self._place(i, self._files[lane])
+        arguments = (lane, scene, options, version, self._pixels(i, lane), place)
+        self._submit(task, arguments, then)
+        self._tell("start", i, lane, "render")
+
+    def _on_rendered(self, i: int, lane: str, made: dict[str, Any]) -> None:
+        self._rendered[i, lane] = made
+        self._step(i, lane, "render", made["message"])
+        for a, b in self._pairs:
+            if lane in (a, b) and (i, a) in self._rendered and (i, b) in self._rendered:
+                self._compare(i, a, b)
+
+    def _compare(self, i: int, a: str, b: str) -> None:
+        without = [lane for lane in (a, b) if self._rendered[i, lane]["status"] != "ok"]
+        if without:
+            self._on_compared(i, a, b, record.not_compared(f"no image of {' and '.join(without)}"))
+            return
+        task = Task(
+            store.compare_files,
+            affinity="compare",
+            rank=-1,
+            timeout_s=self._settings.timeout_s,
+            label=f"the comparison of {a} with {b}",
+        )
+
+        def then(future: Future[Any]) -> None:
+            error = future.exception()
+            made = record.not_compared(str(error)) if error else future.result()
+            self._on_compared(i, a, b, made)
+
+        place = self._place(i, f"{self._files[a]}-{self._files[b]}")
+        files = self._pixels(i, a), self._pixels(i, b)
+        self._submit(task, (*files, place, package_version()), then)
+
+    def _on_compared(self, i: int, a: str, b: str, made: dict[str, Any]) -> None:
+        self._compared[i, a, b] = made
+        self._step(i, f"{a}-{b}", "compare", made["message"])
+        if all((i, *pair) in self._compared for pair in self._pairs):
+            for lane in self._lanes:
+                self._pixels(i, lane).unlink(missing_ok=True)
+
+    def _step(self, i: int, lane: str, what: str, trouble: str) -> None:
+        self._done += 1
+        self._tell("failed" if trouble else "done", i, lane, what, trouble, 1.0)
+
+    def _tell(
+        self, kind: str, i: int, lane: str, what: str, message: str = "", fraction: float = 0.0
+    ) -> None:
+        name = self._sources[i].name
+        event = Event(kind, name, lane, what, self._done, self._total, message, fraction)
+        self._settings.observe(event)
+
+    def _pixels(self, i: int, lane: str) -> Path:
+        return self._settings.pixels / f"{i}-{self._files[lane]}.npy"
+
+    def _place(self, i: int, stem: str) -> store.Place:
+        return store.Place(self._settings.root, f"images/{self._folders[i]}/{stem}")
+
+    def _scene(self, i: int) -> dict[str, Any]:
+        renderers = [
+            {"name": lane, "version": self._probes[lane].version, **self._rendered[i, lane]}
+            for lane in self._lanes
+        ]
+        pairs: list[Mapping[str, Any]] = [
+            {"a": a, "b": b, **self._compared[i, a, b]} for a, b in self._pairs
+        ]
+        return record.scene(
+            self._sources[i], renderers, pairs, self._settings.options.readings
+        )
