@@ -1,77 +1,63 @@
-"""The Python interface: what `import crosstrace` offers beside scenes and errors.
-
-Renderers run in worker processes started as a module of ours, so this works from a plain script
-without a `__main__` guard, and a renderer that crashes raises RendererError here.
-"""
+"""What `import crosstrace` offers: scenes in, arrays and records out."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from pathlib import Path
+import os
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness import one_image
+from crosstrace.harness import alone, sources
 from crosstrace.harness.lanes import chosen
-from crosstrace.harness.metrics import Metrics, measure
-from crosstrace.harness.sources import Source, find
-from crosstrace.harness.ssim import Similarity, similarity
-from crosstrace.translators.course import load
-from crosstrace.translators.effects import effects
-from crosstrace.translators.errors import UsageError
-from crosstrace.translators.registry import LANES
 from crosstrace.translators.renderer import Rendering, RenderOptions
 from crosstrace.translators.scene import Scene
 
-__all__ = [
-    "LANES", "Comparison", "compare", "effects", "load", "render", "render_full", "run",
-]  # fmt: skip
 
+def load(
+    scene: str | os.PathLike[str],
+    *,
+    delivery: int | None = None,
+    size: tuple[int, int] | None = None,
+) -> Scene:
+    """Read a scene file, or a packaged scene by its name.
 
-@dataclass(frozen=True)
-class Comparison:
-    """Two images of one size: `metrics` on linear float, `ssim` on the display colour."""
-
-    metrics: Metrics
-    ssim: Similarity
+    `delivery` (1, 2, 3) overrides what the text says, `size` (rows, columns) the resolution, with
+    the same field of view. Raises SceneError with line and column, or UsageError.
+    """
+    return sources.find_one(os.fspath(scene), delivery=delivery, size=size).scene
 
 
 def render(scene: Scene, lane: str = "native", **options: Any) -> NDArray[np.float64]:
-    """Render a scene with a lane; return linear RGB (v_res, h_res, 3), row 0 at the top.
+    """Render a scene: linear RGB, (v_res, h_res, 3) float64, row 0 at the top, unclamped.
 
-    `options` are fields of `RenderOptions`, such as threads=2 or readings={"tir": "ignore"}.
-    Raises RendererMissingError, UnsupportedSceneError or RendererError.
+    The options are those of `render_full`, which returns more than the image.
     """
     return render_full(scene, lane, **options).image
 
 
-def render_full(scene: Scene, lane: str = "native", **options: Any) -> Rendering:
-    """Render as `render`, and return the times, settings and side outputs too."""
-    return one_image.render(lane, scene, RenderOptions(**options))
-
-
-def compare(a: Any, b: Any, scene: Scene | None = None) -> Comparison:
-    """Compare two images (v_res, h_res, 3); with a scene, both must have its size."""
-    if scene is not None and np.shape(a) != scene.shape:
-        raise UsageError(f"expected images of shape {scene.shape}, found {np.shape(a)}")
-    return Comparison(measure(a, b), similarity(a, b))
-
-
-def run(
-    scenes: Iterable[Scene | str | Path] = (),
-    output: str | Path = "report",
+def render_full(
+    scene: Scene,
+    lane: str = "native",
     *,
-    renderers: Iterable[str] | None = None,
-    **settings: Any,
-) -> Mapping[str, Any]:
-    """Do what `crosstrace run` does and return the report; scenes may be Scenes, files or names."""
-    from crosstrace.harness.run import run_sources
+    threads: int = 0,
+    readings: Mapping[str, str] | None = None,
+    precision: str = "f64",
+    effects: Iterable[str] | None = None,
+    layers: bool = False,
+    timeout_s: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Rendering:
+    """Render in a worker process and return the image with its times, settings and side outputs.
 
-    sources: list[Source] = []
-    for item in scenes:
-        sources += [Source(item.name, item)] if isinstance(item, Scene) else find([str(item)])
-    lanes = chosen(renderers)
-    return run_sources(sources or find(), lanes, Path(output), **settings).report
+    `threads` 0 uses all cores; `readings` name another interpretation of the specification,
+    `effects` None means what the scene calls for; `layers` asks for the native side outputs;
+    `progress` is called in another thread with the fraction done. Raises UsageError for a wrong
+    name, RendererMissingError, UnsupportedSceneError, or RendererError where the renderer fails,
+    dies, or takes longer than `timeout_s`.
+    """
+    (name,) = chosen([lane])
+    wanted = None if effects is None else frozenset(effects)
+    options = RenderOptions(threads, dict(readings or {}), precision, wanted, timeout_s, layers)
+    return alone.render(name, scene, options, progress=progress)[0]

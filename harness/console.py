@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from crosstrace.harness.session import Event
+from crosstrace.harness.schedule import Event
 
 #: Elsewhere than on a terminal, a line no more often than this, but for failures and the last.
 _LINE_EVERY_S = 5.0
@@ -46,9 +46,10 @@ def _bar() -> Iterator[Callable[[Event], None]]:
         task = bar.add_task("starting", total=None)
 
         def observe(event: Event) -> None:
-            if event.failed:
-                bar.console.print(event.text, markup=False, highlight=False)
-            bar.update(task, total=event.total, completed=event.done, description=event.text)
+            if event.kind == "failed":
+                bar.console.print(_sentence(event), markup=False, highlight=False)
+            done = event.done + event.fraction
+            bar.update(task, total=event.total, completed=done, description=_sentence(event))
 
         yield observe
 
@@ -59,16 +60,23 @@ def _lines() -> Callable[[Event], None]:
     def observe(event: Event) -> None:
         nonlocal last
         now = time.monotonic()
-        if event.failed or event.done == event.total or now - last >= _LINE_EVERY_S:
+        done = event.kind in ("done", "failed")
+        ends = event.kind == "failed" or (done and event.done == event.total)
+        if ends or (done and now - last >= _LINE_EVERY_S):
             last = now
-            click.echo(f"[{event.done}/{event.total}] {event.text}", err=True)
+            click.echo(f"[{event.done}/{event.total}] {_sentence(event)}", err=True)
 
     return observe
 
 
+def _sentence(event: Event) -> str:
+    text = f"{event.what} {event.scene}: {event.lane}"
+    return f"{text} failed: {event.message}" if event.kind == "failed" else text
+
+
 def summary(report: Mapping[str, Any]) -> None:
     """Print what a run found: each lane of each scene against the first lane."""
-    lanes = report["run"]["lanes"]
+    lanes = [lane["name"] for lane in report["scenes"][0]["renderers"]]
     base, others = lanes[0], lanes[1:]
     width = max(len("scene"), *(len(scene["name"]) for scene in report["scenes"]))
     width = min(width, 20)

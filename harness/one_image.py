@@ -11,7 +11,7 @@ from typing import Any
 from crosstrace.harness import tasks
 from crosstrace.harness.jobs import Task, WorkerPool
 from crosstrace.harness.lanes import chosen
-from crosstrace.harness.session import Event
+from crosstrace.harness.schedule import Event
 from crosstrace.translators.renderer import Rendering, RenderOptions, Translation
 from crosstrace.translators.scene import Scene
 
@@ -30,7 +30,7 @@ def render(
 
     def tell(fraction: float) -> None:
         if observe is not None:
-            observe(Event(round(1000 * fraction), 1000, f"{scene.name} by {lane}"))
+            observe(Event("progress", scene.name, lane, "render", 0, 1, fraction=fraction))
 
     limit = None if options.timeout_s is None else options.timeout_s + _GRACE_S
     task = Task(tasks.render, affinity=lane, timeout_s=limit, label=lane, on_progress=tell)

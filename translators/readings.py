@@ -31,14 +31,21 @@ from crosstrace.native import _core
 from crosstrace.translators.errors import UnsupportedSceneError, UsageError
 
 
-def parse(settings: Iterable[str]) -> dict[str, str]:
-    """Read `name=value` texts; raises UsageError for an unknown name or value."""
+def split(settings: Iterable[str]) -> dict[str, str]:
+    """Split `name=value` texts, without looking whether such readings exist."""
     readings = {}
     for setting in settings:
         name, equals, value = setting.partition("=")
-        if not equals and name in ("epsilon_twice",):
+        # The one reading that is a plain yes needs no value.
+        if not equals and name.strip() == "epsilon_twice":
             value = "yes"
         readings[name.strip()] = value.strip()
+    return readings
+
+
+def parse(settings: Iterable[str]) -> dict[str, str]:
+    """Read `name=value` texts; raises UsageError for an unknown name or value."""
+    readings = split(settings)
     check(readings)
     return readings
 

@@ -30,7 +30,7 @@ def command(ctx: click.Context, renderers: str | None, as_json: bool) -> None:
         for lane, future in zip(lanes, futures, strict=True):
             error = future.exception()
             probe = Probe(False, reason=str(error)) if error else future.result()
-            found.append(record.probe_entry(lane, probe) | {"details": dict(probe.details)})
+            found.append({"name": lane, **vars(probe), "details": dict(probe.details)})
     answer = {"environment": environment.describe(), "renderers": found}
     if as_json:
         click.echo(record.dumps(answer), nl=False)

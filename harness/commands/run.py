@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from crosstrace.harness.cli import RENDERER
 from crosstrace.harness.commands import options
 
 
@@ -40,18 +39,16 @@ def command(
 
     lanes = chosen(renderers)
     from crosstrace.harness import console, record
-    from crosstrace.harness.run import run_sources
+    from crosstrace.harness.session import RunOptions, exit_status, run
     from crosstrace.harness.sources import find
 
     sources = find(scenes, delivery=delivery, size=resolution)
     with console.progress(quiet or as_json) as observe:
-        finished = run_sources(
-            sources, lanes, output, jobs=jobs, timeout_s=timeout, observe=observe
-        )
+        chosen_options = RunOptions(lanes, jobs=jobs or 0, timeout_s=timeout)
+        report = run(sources, output, chosen_options, events=observe)
     if as_json:
-        click.echo(record.dumps(finished.report), nl=False)
+        click.echo(record.dumps(report), nl=False)
     elif not quiet:
-        console.summary(finished.report)
-        click.echo(f"\nReport: {finished.page}")
-    if not record.is_complete(finished.report):
-        ctx.exit(RENDERER)
+        console.summary(report)
+        click.echo(f"\nReport: {output / 'report.html'}")
+    ctx.exit(exit_status(report))

@@ -1,27 +1,21 @@
 """crosstrace: one scene through independent ray tracers, every differing pixel explained.
 
     import crosstrace as ct
-    scene = ct.load("scene.txt")
-    image = ct.render(scene, "mitsuba")            # (v_res, h_res, 3) float64, linear
-    ct.compare(image, ct.render(scene, "native"))  # numbers on linear float, SSIM
+    scene = ct.load("x.txt")
+    image = ct.render(scene, "mitsuba")
+    ct.compare(ct.render(scene, "native"), image, scene=scene).ssim
 
-Nothing heavy is imported before it is needed.
+Nothing heavy is imported before it is used.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from crosstrace.harness.api import (
-        LANES,
-        Comparison,
-        compare,
-        effects,
-        load,
-        render,
-        render_full,
-        run,
-    )
+    from crosstrace.harness.api import load, render, render_full
+    from crosstrace.harness.comparison import Comparison, compare
+    from crosstrace.translators.course import dumps
+    from crosstrace.translators.effects import effects
     from crosstrace.translators.errors import (
         CrosstraceError,
         RendererError,
@@ -30,38 +24,59 @@ if TYPE_CHECKING:
         UnsupportedSceneError,
         UsageError,
     )
+    from crosstrace.translators.registry import LANES
+    from crosstrace.translators.renderer import Rendering
     from crosstrace.translators.scene import Scene, plane, sphere
 
+    __version__: str
+
 _HOMES = {
-    "crosstrace.harness.api": (
-        "LANES", "Comparison", "compare", "effects", "load", "render", "render_full", "run",
-    ),
+    "crosstrace.harness.api": ("load", "render", "render_full"),
+    "crosstrace.harness.comparison": ("Comparison", "compare"),
+    "crosstrace.translators.course": ("dumps",),
+    "crosstrace.translators.effects": ("effects",),
     "crosstrace.translators.errors": (
-        "CrosstraceError", "RendererError", "RendererMissingError", "SceneError",
-        "UnsupportedSceneError", "UsageError",
+        "CrosstraceError", "RendererError", "RendererMissingError",
+        "SceneError", "UnsupportedSceneError", "UsageError",
     ),
+    "crosstrace.translators.registry": ("LANES",),
+    "crosstrace.translators.renderer": ("Rendering",),
     "crosstrace.translators.scene": ("Scene", "plane", "sphere"),
 }  # fmt: skip
+
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "LANES", "Comparison", "CrosstraceError", "RendererError", "RendererMissingError", "Scene",
-    "SceneError", "UnsupportedSceneError", "UsageError", "compare", "effects", "load", "plane",
-    "render", "render_full", "run", "sphere",
+    "LANES", "Comparison", "CrosstraceError", "RendererError", "RendererMissingError", "Rendering",
+    "Scene", "SceneError", "UnsupportedSceneError", "UsageError", "__version__", "compare",
+    "dumps", "effects", "load", "plane", "render", "render_full", "sphere",
 ]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name from where it lives, at its first use."""
+    """Import a public name from its home when it is first asked for."""
     if name == "__version__":
-        from importlib.metadata import version
-
-        return version("crosstrace")
-    if name not in _HOME_OF:
-        raise AttributeError(f"module 'crosstrace' has no attribute {name!r}")
-    return getattr(import_module(_HOME_OF[name]), name)
+        value: Any = _version()
+    elif name in _HOME_OF:
+        value = getattr(import_module(_HOME_OF[name]), name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:
-    """List the public names without importing them."""
-    return [*__all__, "__version__"]
+    """List the public names, imported or not."""
+    return sorted({*globals(), *__all__})
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("crosstrace")
+    except PackageNotFoundError:
+        # A source tree that is used without being installed.
+        from crosstrace.native._core import version as built
+
+        return built

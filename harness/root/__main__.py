@@ -1,5 +1,7 @@
-"""`python -m crosstrace` is the console script."""
+"""`python -m crosstrace` is the command `crosstrace`."""
+
+import sys
 
 from crosstrace.harness.cli import main
 
-main()
+sys.exit(main())

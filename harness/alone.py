@@ -1,0 +1,69 @@
+"""One call of a lane at a time, in a worker process: a crash there cannot take the caller down.
+
+The workers stay warm between calls, so a lane's start-up is paid once; they end with this process.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from typing import Any
+
+from crosstrace.harness import tasks
+from crosstrace.harness.jobs import Task, WorkerPool, available_cores
+from crosstrace.translators.renderer import Probe, Progress, Rendering, RenderOptions
+from crosstrace.translators.scene import Scene
+
+#: A lane that has not said within this time whether it works does not.
+PROBE_TIMEOUT_S = 120.0
+
+_lock = threading.Lock()
+#: By process: the threads of a pool do not survive a fork.
+_pools: dict[int, WorkerPool] = {}
+
+
+def render(
+    lane: str,
+    scene: Scene,
+    options: RenderOptions,
+    *,
+    progress: Progress | None = None,
+) -> tuple[Rendering, float]:
+    """Render in a worker; return the rendering and the peak memory in MiB.
+
+    `options.timeout_s` bounds the whole call. `progress` is called in another thread. Raises what
+    the lane raises, and RendererError where its process dies or takes too long.
+    """
+    limit_s = options.timeout_s
+    task = Task(tasks.render, lane, timeout_s=limit_s, label=lane, on_progress=progress)
+    made: tuple[Rendering, float] = _call(task, lane, scene, options)
+    return made
+
+
+def probe(lane: str) -> Probe:
+    """Ask a lane whether it works here; one that crashes while it is asked does not."""
+    label = f"{lane}: looking for it"
+    found: Probe = _call(Task(tasks.probe, lane, timeout_s=PROBE_TIMEOUT_S, label=label), lane)
+    return found
+
+
+def _call(task: Task, *args: Any) -> Any:
+    try:
+        return _pool().submit(task, *args).result()
+    except (KeyboardInterrupt, SystemExit):
+        _end()
+        raise
+
+
+def _pool() -> WorkerPool:
+    with _lock:
+        if os.getpid() not in _pools:
+            _pools[os.getpid()] = WorkerPool(available_cores())
+        return _pools[os.getpid()]
+
+
+def _end() -> None:
+    with _lock:
+        pool = _pools.pop(os.getpid(), None)
+    if pool is not None:
+        pool.kill()
