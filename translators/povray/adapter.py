@@ -8,12 +8,18 @@ its tolerances and its output are dealt with, `declarations.py` what is left.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
-from crosstrace.translators.errors import RendererMissingError
+from crosstrace.translators.errors import (
+    RendererError,
+    RendererMissingError,
+    UnsupportedSceneError,
+)
 from crosstrace.translators.ledger import Entry
 from crosstrace.translators.povray import declarations, output, picture, process
 from crosstrace.translators.povray.plan import MAX_DEPTH
@@ -29,21 +35,27 @@ from crosstrace.translators.renderer import (
 )
 from crosstrace.translators.scene import Scene
 
+#: POV-Ray's own limit (`configbackend.h`).
+_MAX_THREADS = 512
+
 
 class PovRay:
     """POV-Ray as a child process; satisfies the protocol `Renderer`."""
 
     name = "povray"
-    capabilities = Capabilities(max_objects=1_000_000, max_depth=MAX_DEPTH)
+    #: No max_depth: how deep the rays of a scene get, and what they carry, shows in rendering it.
+    capabilities = Capabilities(max_objects=1_000_000)
 
     def probe(self) -> Probe:
         """Find the program and ask for its version."""
         try:
             program = process.find_program()
             with _private_directory() as directory:
-                version = process.find_version(program, Path(directory))
+                version = process.find_version(program, directory)
         except RendererMissingError as error:
             return Probe(False, reason=error.reason, remedy=error.remedy)
+        except RendererError as error:
+            return Probe(False, reason=str(error))
         if not version.startswith("3.7"):
             reason = f"expected POV-Ray 3.7, found {version}"
             return Probe(False, version, reason, process.REMEDY, {"program": str(program)})
@@ -61,11 +73,10 @@ class PovRay:
         program = process.find_program()
         started = time.perf_counter()
         analysis = picture.analyse(scene, options.effects)
-        threads = options.threads or len(os.sched_getaffinity(0))
+        threads = min(options.threads or len(os.sched_getaffinity(0)), _MAX_THREADS)
         messages: list[str] = []
         passes: list[float] = []
-        with _private_directory() as name:
-            directory = Path(name)
+        with _private_directory() as directory:
             source, image = directory / "scene.pov", directory / "image.ppm"
             source.write_text(analysis.text(1.0), encoding="ascii")
             translated = time.perf_counter()
@@ -75,14 +86,19 @@ class PovRay:
                 image.unlink(missing_ok=True)
                 call = picture.arguments(scene, source.name, image.name, "P", str(threads))
                 call += ["+V", f"Declare=output_scale={scale!r}"]
+                call += ["+GS"] if analysis.plan.deep else []
                 share = output.shared(progress, analysis.bound, len(passes))
                 passes.append(scale)
                 said = process.run(program, call, directory, options.timeout_s, share, since)
                 messages.extend(w for w in process.warnings(said) if w not in messages)
+                if analysis.plan.deep and process.exhausted(said):
+                    raise UnsupportedSceneError(
+                        f"POV-Ray traces at most max_depth {MAX_DEPTH}, found {scene.max_depth} "
+                        "and rays that get there"
+                    )
                 return output.read_ppm(image, scene.v_res, scene.h_res)
 
-            background = float(scene.background.max()) / 255
-            made = output.render_scaled(render_at, analysis.bound, background)
+            made = output.render_scaled(render_at, analysis.bound)
             if progress is not None:
                 progress(1.0)
         return Rendering(
@@ -95,7 +111,7 @@ class PovRay:
                 "world_scale": analysis.scale,
                 "output_scale": made.scale,
                 "output_scales": list(made.passes),
-                "max_trace_level": analysis.depth + 1,
+                "max_trace_level": analysis.plan.depth + 1,
             },
             messages=messages,
         )
@@ -105,11 +121,17 @@ class PovRay:
         only_default(options.readings, self.name)
         analysis = picture.analyse(scene, options.effects)
         name = picture.file_name(scene.name)
-        scale = output.safe_scale(analysis.bound)
+        scale = output.written_scale(analysis.bound)
         command = " ".join(["povray", *picture.arguments(scene, f"{name}.pov", f"{name}.png", "N")])
-        text = picture.commented(analysis.text(scale), command, scale)
+        text = picture.commented(analysis, command, scale)
         return Translation({f"{name}.pov": text}, command)
 
 
-def _private_directory() -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix="crosstrace-povray-", ignore_cleanup_errors=True)
+@contextlib.contextmanager
+def _private_directory() -> Iterator[Path]:
+    made = tempfile.TemporaryDirectory
+    try:
+        with made(prefix="crosstrace-povray-", ignore_cleanup_errors=True) as name:
+            yield Path(name)
+    except OSError as error:
+        raise RendererError(f"povray's files cannot be kept: {error}") from error

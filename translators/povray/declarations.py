@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from crosstrace.translators.ledger import Entry
 from crosstrace.translators.povray.output import WHITE, safe_scale
 from crosstrace.translators.povray.picture import Analysis
+from crosstrace.translators.povray.plan import NEGLIGIBLE
 from crosstrace.translators.povray.scale import MAX_DISTANCE, MIN_DISTANCE, SHADOW_TOLERANCE
 from crosstrace.translators.scene import KR, KT, N
 
@@ -27,11 +28,9 @@ def declare(analysis: Analysis) -> list[Entry]:
     if not len(plan):
         return entries[:1]
 
-    def add(
-        effect: str, situation: str, rows: Rows | None = None, bound: float | None = None
-    ) -> None:
+    def add(effect: str, situation: str, rows: Rows | None = None) -> None:
         which = () if rows is None else tuple(int(i) for i in index[rows])
-        entries.append(Entry(effect, situation, "approximated", bound, which))
+        entries.append(Entry(effect, situation, "approximated", None, which))
 
     if not plan.sphere.all():
         limit = MAX_DISTANCE / scale
@@ -42,7 +41,8 @@ def declare(analysis: Analysis) -> list[Entry]:
     if plan.depth:
         add("geometry", f"a secondary ray meets nothing nearer than {MIN_DISTANCE / scale:.3g}")
     if len(plan.lights) and plan.shadows:
-        add("shadows", f"blockers nearer than {SHADOW_TOLERANCE / scale:.3g} units do not count")
+        add("shadows", f"blockers nearer than {SHADOW_TOLERANCE / scale:.3g} units to the point or "
+            "to the light do not count")  # fmt: skip
     transparent = material[:, KT] > 0
     inexact = transparent & (material[:, N].astype(np.float32) != material[:, N])
     if inexact.any():
@@ -55,7 +55,8 @@ def declare(analysis: Analysis) -> list[Entry]:
             "not one a surface", analysis.media.crossing)  # fmt: skip
     if (torn := side.torn & transparent).any():
         add("refraction", "the camera lies on a transparent surface and looks to both sides", torn)
-    if analysis.lost:
-        deep = (material[:, KR] > 0) | transparent
-        add("reflection", f"rays beyond depth {analysis.depth} are left out", deep, analysis.lost)
+    if plan.deep:
+        secondary = (material[:, KR] > 0) | transparent
+        add("reflection", f"rays that carry less than {NEGLIGIBLE:g} of a pixel are left out; any "
+            f"other beyond depth {plan.depth} is an error", secondary)  # fmt: skip
     return entries

@@ -1,13 +1,16 @@
 """POV-Ray's 16-bit output: reading it, and the scale K that keeps values beyond 1.
 
 A sample is ``floor(65535·v + 0.5)`` of a value cut to 0…1 (`encoding.h` of 3.7), with File_Gamma 1
-and no dithering: linear, half a step 7.63e-6 wide. Where the scene's numbers do not rule out values
-beyond 1, a first image tells: what it shows saturated is rendered again at a larger K, everything
-else keeps its finer step. So K comes from the scene and from POV-Ray alone.
+and no dithering: linear, half a step 7.63e-6·K wide. K begins with the bound that follows from the
+scene's numbers, or with 2 where that is larger: the bound counts every light as unblocked and every
+bounce as bright, while images seldom exceed 2, and a second run of the program costs more than a
+bit of precision. What is saturated all the same is rendered again at a larger K, everything else
+keeps its finer step. So K comes from the scene and from POV-Ray alone.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,8 +27,13 @@ WHITE = 65535
 #: Room for POV-Ray's float32 above a bound computed in double.
 _MARGIN = 1 + 1e-5
 
-#: With this K a value of exactly 1 stays told apart from a saturated one.
-_JUST_BEYOND_ONE = 1 + 2.0**-14
+#: The largest K to begin with, and what it is multiplied by while something saturates.
+_FIRST = 2.0
+_GROWTH = 4.0
+
+#: The largest K of a written scene: at 16, half a step passes 1e-4, so that a larger one would
+#: spoil every pixel for the sake of values that hardly occur.
+_LARGEST_WRITTEN = 16.0
 
 _HEADER = re.compile(rb"P6\s+((?:#[^\n]*\s+)*)(\d+)\s+(\d+)\s+(\d+)\s")
 _VERSION = re.compile(rb"POV-Ray (\d+(?:\.\d+)+)")
@@ -55,34 +63,38 @@ class Scaled:
 
 
 def safe_scale(bound: float) -> float:
-    """Return a K at which no pixel of a scene bounded so can saturate: 1 or a power of two."""
-    return 1.0 if bound <= 1 else float(2.0 ** np.ceil(np.log2(bound * _MARGIN)))
+    """Return a K, 1 at least, at which no pixel of a scene bounded so can saturate."""
+    return 1.0 if bound <= 1 else _short(bound * _MARGIN)
 
 
-def first_scale(bound: float, background: float) -> float:
-    """Return the K to begin with; `background` is the greatest component, on 0…1."""
-    return _JUST_BEYOND_ONE if bound > 1 and background == 1 else 1.0
+def written_scale(bound: float) -> float:
+    """Return the K of a scene that is written for others to render: no second run can mend it."""
+    return min(safe_scale(bound), _LARGEST_WRITTEN)
 
 
-def render_scaled(render: Callable[[float], Picture], bound: float, background: float) -> Scaled:
+def render_scaled(render: Callable[[float], Picture], bound: float) -> Scaled:
     """Render at growing K until nothing saturates that could be brighter.
 
     `render` gives the picture at one K; `bound` is a number that no pixel exceeds.
     """
-    scale = first_scale(bound, background)
+    scale = min(safe_scale(bound), _FIRST)
     picture = render(scale)
     image = picture.samples.astype(np.float64) * (scale / WHITE)
     passes = [scale]
     saturated = picture.samples == WHITE
-    growth = 2.0
     while scale < bound and saturated.any():
-        scale = min(2.0 ** np.floor(np.log2(scale)) * growth, safe_scale(bound))
-        growth = 4.0
-        picture = render(float(scale))
-        passes.append(float(scale))
+        scale = min(_short(_GROWTH * scale), safe_scale(bound))
+        picture = render(scale)
+        passes.append(scale)
         image[saturated] = picture.samples[saturated] * (scale / WHITE)
         saturated &= picture.samples == WHITE
     return Scaled(image, passes[-1], tuple(passes), picture.version)
+
+
+def _short(scale: float) -> float:
+    """Round up to three digits: POV-Ray keeps six of a number declared on its command line."""
+    step = 10.0 ** (math.floor(math.log10(scale)) - 2)
+    return float(f"{math.ceil(scale / step) * step:.4g}")
 
 
 def shared(progress: Progress | None, bound: float, passes: int) -> Progress | None:
@@ -90,7 +102,7 @@ def shared(progress: Progress | None, bound: float, passes: int) -> Progress | N
 
     Where more passes may follow, each takes half of what is left.
     """
-    if progress is None or bound <= 1:
+    if progress is None or bound <= _FIRST:
         return progress
     done, share, whole = 1 - 0.5**passes, 0.5 ** (passes + 1), progress
     return lambda fraction: whole(done + share * fraction)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from crosstrace.translators.povray.camera import CameraSide, camera_side
 from crosstrace.translators.povray.lights import Lighting, lighting
 from crosstrace.translators.povray.media import Media, media
-from crosstrace.translators.povray.plan import Plan, plan, traced_depth
+from crosstrace.translators.povray.output import safe_scale
+from crosstrace.translators.povray.plan import MAX_DEPTH, Plan, plan
 from crosstrace.translators.povray.scale import value_bound, world_scale
 from crosstrace.translators.povray.sdl import Writer
 from crosstrace.translators.scene import Scene
@@ -21,8 +22,7 @@ _SWITCHES = "+Q8 -A -J -D -P -TH -GD -GR -GS +MB3 File_Gamma=1.0"
 class Analysis:
     """A plan and what follows from it.
 
-    `scale` is the world scale, `depth` the bounces that are traced, `bound` a number that no pixel
-    exceeds and `lost` the most that the rays beyond `depth` could add.
+    `scale` is the world scale and `bound` a number that no pixel exceeds.
     """
 
     plan: Plan
@@ -30,14 +30,12 @@ class Analysis:
     lighting: Lighting
     media: Media
     scale: float
-    depth: int
     bound: float
-    lost: float
 
     def text(self, output_scale: float) -> str:
         """Return the scene in POV-Ray's language."""
         writer = Writer(self.plan, self.side, self.media, self.lighting, self.scale)
-        return writer.text(self.depth, output_scale)
+        return writer.text(output_scale)
 
 
 def analyse(scene: Scene, requested: frozenset[str] | None = None) -> Analysis:
@@ -47,8 +45,7 @@ def analyse(scene: Scene, requested: frozenset[str] | None = None) -> Analysis:
     side = camera_side(reduced, scale)
     lit = lighting(reduced, side)
     bound = value_bound(reduced, lit)
-    depth, lost = traced_depth(reduced, bound)
-    return Analysis(reduced, side, lit, media(reduced, side), scale, depth, bound, lost)
+    return Analysis(reduced, side, lit, media(reduced, side), scale, bound)
 
 
 def arguments(scene: Scene, source: str, image: str, kind: str, threads: str = "") -> list[str]:
@@ -63,12 +60,21 @@ def file_name(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]+", "-", name).strip("-")[:80] or "scene"
 
 
-def commented(text: str, command: str, output_scale: float) -> str:
-    """Put on top of a description how to call POV-Ray for it."""
+def commented(analysis: Analysis, command: str, output_scale: float) -> str:
+    """Return the description with, on top of it, how to call POV-Ray for it."""
     lines = [
         f"// {command}",
         f"// The image is linear (gamma 1); multiply it by output_scale = {output_scale!r}.",
-        "// Declare=output_scale=X on the command line sets another scale. The smallest at which",
-        "// nothing saturates is the most precise: half a step of a sample is output_scale/131070.",
+        "// Declare=output_scale=X on the command line sets another scale, of six digits at most.",
+        "// The smallest at which nothing saturates is the most precise: half a step of a sample",
+        "// is output_scale/131070.",
     ]
-    return "\n".join([*lines, text])
+    if output_scale < safe_scale(analysis.bound):
+        lines.append("// Values beyond output_scale are cut; the scene does not rule them out.")
+    if analysis.plan.deep:
+        lines.append(
+            f"// The scene asks for more than {MAX_DEPTH} bounces. POV-Ray traces no more; add +GS "
+            "and see that"
+        )
+        lines.append(f"// the Max Level that it states stays below {MAX_DEPTH + 1}.")
+    return "\n".join([*lines, analysis.text(output_scale)])

@@ -15,15 +15,16 @@ from numpy.typing import NDArray
 
 from crosstrace.translators.effects import BIT, effects, mask
 from crosstrace.translators.errors import UnsupportedSceneError
-from crosstrace.translators.scene import KA, KD, KR, KS, KT, SPHERE, N, Scene
+from crosstrace.translators.scene import KA, KD, KR, KS, KT, SPHERE, Scene
 
 Array = NDArray[np.float64]
 
 #: POV-Ray cuts max_trace_level to 256 with no more than a warning (`configbackend.h`).
 MAX_DEPTH = 255
 
-#: What rays deeper than MAX_DEPTH may add, at most, for them to be left out: below float32.
-NEGLIGIBLE = 1e-9
+#: In a scene that asks for more than MAX_DEPTH, rays that carry less than this share of a pixel are
+#: left out: far below float32.
+NEGLIGIBLE = 1e-10
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Plan:
 
     `color`, `ambient` and the first three columns of `lights` are on 0…1; `material` has zeros
     where an effect is off; planes in `geometry` have unit normals. `depth` is 0 where no object
-    sends a secondary ray.
+    sends a secondary ray, otherwise at most MAX_DEPTH; `deep` says that the scene asks for more.
     """
 
     scene: Scene
@@ -44,6 +45,7 @@ class Plan:
     ambient: Array
     lights: Array
     depth: int
+    deep: bool
     shadows: bool
 
     def __len__(self) -> int:
@@ -54,8 +56,7 @@ class Plan:
 def plan(scene: Scene, requested: frozenset[str] | None = None) -> Plan:
     """Reduce a scene to the effects requested (None: those that it calls for).
 
-    Raises UnsupportedSceneError where POV-Ray cannot leave out what was left out, or cannot trace
-    as deep as the scene asks.
+    Raises UnsupportedSceneError where POV-Ray cannot leave out what was left out.
     """
     index = _first_of_coincident(scene)
     called_for = effects(scene)
@@ -73,6 +74,7 @@ def plan(scene: Scene, requested: frozenset[str] | None = None) -> Plan:
         for column in columns:
             material[off, column] = 0.0
     lit = material[:, KD].any() or material[:, KS].any()
+    depth = scene.max_depth if material[:, KR].any() or material[:, KT].any() else 0
     made = Plan(
         scene=scene,
         index=index,
@@ -82,7 +84,8 @@ def plan(scene: Scene, requested: frozenset[str] | None = None) -> Plan:
         material=material,
         ambient=scene.ambient / 255,
         lights=scene.lights / ([255.0] * 3 + [1.0] * 3) if lit else np.zeros((0, 6)),
-        depth=scene.max_depth if material[:, KR].any() or material[:, KT].any() else 0,
+        depth=min(depth, MAX_DEPTH),
+        deep=depth > MAX_DEPTH,
         shadows=bool(wanted & BIT["shadows"]),
     )
     _refuse_what_cannot_be_left_out(made, called_for.objects[index], wanted)
@@ -99,29 +102,6 @@ def _refuse_what_cannot_be_left_out(
         raise UnsupportedSceneError(
             "POV-Ray traces refraction and total reflection together: expected both or neither"
         )
-
-
-def traced_depth(made: Plan, bound: float) -> tuple[int, float]:
-    """Return the depth to trace, at most MAX_DEPTH, and the greatest value that this leaves out.
-
-    `bound` is the greatest pixel value. Raises UnsupportedSceneError where the rays beyond
-    MAX_DEPTH could add more than NEGLIGIBLE.
-    """
-    if made.depth <= MAX_DEPTH:
-        return made.depth, 0.0
-    # Twice, because those rays may return more than any at MAX_DEPTH: by a share of 1/(1 − q²⁵⁶).
-    lost = 2 * bound * float(throughput(made.material).max(initial=0.0)) ** (MAX_DEPTH + 1)
-    if not lost <= NEGLIGIBLE:
-        raise UnsupportedSceneError(
-            f"POV-Ray traces at most max_depth {MAX_DEPTH}, found {made.depth}"
-        )
-    return MAX_DEPTH, lost
-
-
-def throughput(material: Array) -> Array:
-    """Return the greatest share of its secondary rays that each surface passes on, (n,)."""
-    total = np.where((material[:, KT] > 0) & (material[:, N] != 1.0), 1.0, 0.0)
-    return np.maximum(material[:, KR] + material[:, KT], total)
 
 
 def _unit_normals(scene: Scene) -> Array:

@@ -28,6 +28,7 @@ REMEDY = "apt-get install povray"
 _TICK_S = 0.02
 _PROBE_TIMEOUT_S = 30.0
 _PROGRESS = re.compile(rb"Rendered (\d+) of (\d+) pixels")
+_LEVEL = re.compile(r"Max Level: (\d+)/(\d+)")
 _FAULT = re.compile(r"error|problem|cannot|could not|failed|not found|invalid", re.IGNORECASE)
 _NOISE = re.compile(r"^(Rendered \d|povray: cannot open the user configuration|POV-Ray finished)")
 
@@ -110,6 +111,12 @@ def warnings(text: str) -> list[str]:
     """Return the warnings among what the program said, one a line."""
     paragraphs = re.split(r"\n(?=\S)", text)
     return [" ".join(p.split()) for p in paragraphs if re.search(r"\bWarning\b", p)]
+
+
+def exhausted(text: str) -> bool:
+    """Say whether a ray reached the last level, out of the statistics (switch ``+GS``)."""
+    level = _LEVEL.search(text)
+    return level is None or int(level[1]) >= int(level[2])
 
 
 def _dies_with_parent() -> list[str]:

@@ -6,7 +6,7 @@ than 1e7 is hit. Everything is multiplied by a power of two, which changes no di
 fall where they harm least.
 
 Its 16-bit output ends at 1. Everything is linear in the lights, the ambient light and the
-background, so these are divided by a scale K and the image is multiplied by it again.
+background, so these are divided by a scale K and the image is multiplied by it again (`output.py`).
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from crosstrace.translators.povray.lights import Lighting
-from crosstrace.translators.povray.plan import MAX_DEPTH, Array, Plan, throughput
-from crosstrace.translators.scene import KA, KD, KS
+from crosstrace.translators.povray.plan import Array, Plan
+from crosstrace.translators.scene import KA, KD, KR, KS, KT, N
 
 SHADOW_TOLERANCE = 1e-3
 MIN_DISTANCE = 1e-4
@@ -69,12 +69,17 @@ def value_bound(plan: Plan, lighting: Lighting) -> float:
     np.maximum.at(most, which, own)
     background = float(plan.scene.background.max()) / 255
     bound = max(background, float(most.max(initial=0.0)))
-    for _ in range(min(plan.depth, MAX_DEPTH)):
+    for _ in range(plan.depth):
         bound = max(bound, float((most + share * bound).max(initial=0.0)))
     return bound
 
 
+def throughput(material: Array) -> Array:
+    """Return the greatest share of its secondary rays that each surface passes on, (n,)."""
+    total = np.where((material[:, KT] > 0) & (material[:, N] != 1.0), 1.0, 0.0)
+    return np.maximum(material[:, KR] + material[:, KT], total)
+
+
 def diffuse_share(plan: Plan, lighting: Lighting) -> Array:
     """Return the diffuse coefficient of each surface as it is written, (n,)."""
-
     return np.where(lighting.diffuse, plan.material[:, KD], 0.0)

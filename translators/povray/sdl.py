@@ -25,7 +25,7 @@ import numpy as np
 from crosstrace.translators.povray.camera import CameraSide, basis
 from crosstrace.translators.povray.lights import Lighting
 from crosstrace.translators.povray.media import Media
-from crosstrace.translators.povray.plan import Array, Plan
+from crosstrace.translators.povray.plan import NEGLIGIBLE, Array, Plan
 from crosstrace.translators.povray.scale import diffuse_share
 from crosstrace.translators.scene import ETA, KA, KR, KS, KT
 
@@ -45,12 +45,13 @@ class Writer:
         self.hides = plan.material[:, KT] > 0
         self.shapes = [self._shape(i) for i in range(len(plan))]
 
-    def text(self, depth: int, output_scale: float) -> str:
+    def text(self, output_scale: float) -> str:
         """Return the description; `output_scale` holds unless the command line declares another."""
         lines = [
             "#version 3.7;",
             f"#ifndef (output_scale) #declare output_scale = {_number(output_scale)}; #end",
-            f"global_settings {{ assumed_gamma 1 max_trace_level {depth + 1} adc_bailout 0",
+            f"global_settings {{ assumed_gamma 1 max_trace_level {self.plan.depth + 1}",
+            f"  adc_bailout {_number(NEGLIGIBLE) if self.plan.deep else 0}",
             f"  ambient_light {_rgb(self.plan.ambient)}/output_scale }}",
             f"background {{ {_rgb(self.plan.scene.background / 255)}/output_scale }}",
             self._camera(),

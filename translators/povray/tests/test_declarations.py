@@ -48,6 +48,16 @@ def test_disjoint_and_nested_glass_is_not_declared_crossing(
     assert find(PovRay().ledger(scene), "cross") is None
 
 
+def test_faint_rays_are_declared_beyond_the_greatest_depth(
+    make_scene: Callable[..., Scene],
+) -> None:
+    """Only a scene that asks for more than 255 bounces goes without its faintest rays."""
+    objects = [sphere([9, 9, 9], [0, 0, 0], 1.0, ka=0.5), sphere([9, 9, 9], [0, 9, 0], 1.0, kr=0.5)]
+    for depth, declared in ((255, ()), (256, (1,))):
+        entry = find(PovRay().ledger(make_scene(objects=objects, max_depth=depth)), "carry less")
+        assert (entry.objects if entry else ()) == declared
+
+
 def test_planes_end(make_scene: Callable[..., Scene]) -> None:
     """The distance at which planes end is told in the scene's units."""
     scene = make_scene(objects=[plane([9, 9, 9], [0, 0, -1], [0, 0, 1], ka=0.5)])

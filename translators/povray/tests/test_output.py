@@ -14,6 +14,7 @@ from crosstrace.translators.povray.output import (
     render_scaled,
     safe_scale,
     shared,
+    written_scale,
 )
 
 
@@ -35,39 +36,67 @@ class Program:
 def test_one_pass_is_enough_where_the_scene_cannot_exceed_white() -> None:
     """With a bound of 1 a white pixel is no reason to render again."""
     program = Program([1.0, 0.5, 0.0])
-    made = render_scaled(program, bound=1.0, background=1.0)
+    made = render_scaled(program, bound=1.0)
     assert program.scales == [1.0]
     assert made.image.ravel().tolist() == [1.0, 32768 / 65535, 0.0]
 
 
+@pytest.mark.parametrize(("bound", "scale"), [(1.5, 1.51), (1.9, 1.91), (20.0, 2.0)])
+def test_one_pass_is_enough_for_values_up_to_two(bound: float, scale: float) -> None:
+    """The first scale is the scene's bound, and 2 where that is larger."""
+    program = Program([1.45, 0.1, 1.2])
+    made = render_scaled(program, bound=bound)
+    assert made.passes == (scale,)
+    assert np.abs(made.image - program.values).max() <= made.half_step
+
+
 def test_only_saturated_samples_pay_for_a_larger_scale() -> None:
     """Samples that fit keep the step of the first pass."""
-    program = Program([1.3, 0.1, 3.0])
-    made = render_scaled(program, bound=20.0, background=0.0)
-    assert program.scales == [1.0, 2.0, 8.0]
+    program = Program([1.3, 3.0, 12.0])
+    made = render_scaled(program, bound=99.0)
+    assert program.scales == [2.0, 8.0, 32.0]
     errors = np.abs(made.image - program.values).ravel()
-    assert (errors <= np.array([2, 1, 8]) / 131070).all()
-    assert made.half_step == 8 / 131070
+    assert (errors <= np.array([2, 8, 32]) / 131070).all()
+    assert made.half_step == 32 / 131070
 
 
 def test_the_bound_ends_the_growth() -> None:
     """No scale is larger than what the scene's bound calls for."""
     program = Program([2.9, 0.1, 0.2])
-    assert render_scaled(program, bound=2.95, background=0.0).passes == (1.0, 2.0, 4.0)
+    assert render_scaled(program, bound=2.95).passes == (2.0, 2.96)
 
 
 def test_a_white_background_is_not_taken_for_saturation() -> None:
     """Where more than white is possible, exactly white stays told apart from it."""
     program = Program([1.0, 0.5, 1.0])
-    made = render_scaled(program, bound=5.0, background=1.0)
+    made = render_scaled(program, bound=5.0)
     assert len(program.scales) == 1
     assert np.abs(made.image - program.values).max() <= made.half_step
 
 
-@pytest.mark.parametrize(("bound", "scale"), [(0.0, 1.0), (1.0, 1.0), (1.01, 2.0), (4.0, 8.0)])
-def test_the_safe_scale_leaves_room_for_float32(bound: float, scale: float) -> None:
-    """A bound just at a power of two takes the next one."""
-    assert safe_scale(bound) == scale
+@pytest.mark.parametrize("bound", [1.01, 2.0, 300.0])
+def test_the_safe_scale_leaves_room_for_float32(bound: float) -> None:
+    """A value at the bound, rounded upwards, is still told apart from a saturated one."""
+    assert np.float32(bound) * np.float32(1 + 1e-6) < safe_scale(bound) < bound * 1.011
+
+
+@pytest.mark.parametrize("bound", [1.0000001, 1.2345678, 13.000013, 987654.3, 1.5e9])
+def test_scales_have_few_digits(bound: float) -> None:
+    """POV-Ray keeps six digits of a declared number; what it would cut shifted bright images."""
+    program = Program([0.9 * bound] * 3)
+    for scale in (*render_scaled(program, bound).passes, safe_scale(bound)):
+        assert float(f"{scale:.6g}") == scale
+
+
+def test_a_scene_that_cannot_exceed_white_needs_no_scale() -> None:
+    """Below 1 the scale stays 1, so that flat colours keep their exact samples."""
+    assert (safe_scale(0.0), safe_scale(1.0)) == (1.0, 1.0)
+
+
+def test_a_written_scene_keeps_a_usable_precision() -> None:
+    """A bound that counts hundreds of bounces does not darken the whole image to nothing."""
+    assert written_scale(4.0) == safe_scale(4.0)
+    assert written_scale(1e9) == 16.0
 
 
 def test_a_ppm_is_read_to_the_last_bit(tmp_path: Path) -> None:

@@ -8,11 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from crosstrace.translators.errors import RendererError, RendererMissingError
+from crosstrace.translators.errors import (
+    RendererError,
+    RendererMissingError,
+    UnsupportedSceneError,
+)
 from crosstrace.translators.povray import process
 from crosstrace.translators.povray.adapter import PovRay
 from crosstrace.translators.renderer import RenderOptions
-from crosstrace.translators.scene import Scene
+from crosstrace.translators.scene import Scene, plane
 
 OPTIONS = RenderOptions(threads=1, timeout_s=60)
 
@@ -127,6 +131,29 @@ def test_a_real_parse_error_is_passed_on(povray: PovRay, tmp_path: Path) -> None
     (tmp_path / "wrong.pov").write_text("#version 3.7;\nsphere { 1 ")
     with pytest.raises(RendererError, match="Parse Error"):
         process.run(process.find_program(), ["+Iwrong.pov", "+Oo.ppm", "-D"], tmp_path, 60)
+
+
+def test_rays_beyond_the_greatest_depth_are_an_error(
+    povray: PovRay, make_scene: Callable[..., Scene]
+) -> None:
+    """Between two perfect mirrors rays do get to depth 256, and the scene is refused."""
+    walls = [
+        plane([255, 255, 255], [0, side * 5, 0], [0, -side, 0], ka=0.1, kr=1.0) for side in (1, -1)
+    ]
+    with pytest.raises(UnsupportedSceneError, match="at most max_depth 255, found 256"):
+        povray.render(make_scene(objects=walls, max_depth=256), OPTIONS)
+    assert povray.render(make_scene(objects=walls, max_depth=255), OPTIONS).image.max() > 1
+
+
+def test_a_directory_that_cannot_be_made_is_a_renderer_s_error(
+    povray: PovRay, make_scene: Callable[..., Scene], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Without a place for its files the renderer fails in words, and probing says so."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "missing"))
+    assert "files cannot be kept" in povray.probe().reason
+    with pytest.raises(RendererError, match="files cannot be kept"):
+        povray.render(make_scene(), OPTIONS)
 
 
 def test_an_interruption_ends_the_program(

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 from crosstrace.translators.renderer import Rendering
@@ -22,6 +23,11 @@ BALL = sphere([220, 60, 40], [0.7, 1.2, 0.6], 0.6, **MATT)
 BACK = sphere([90, 120, 230], [-0.9, 1.5, 0.9], 0.8, **MIRROR)
 SUN = ([180, 180, 170], [-2.0, -3.0, 4.0])
 LAMP = ([90, 110, 140], [3.0, -2.0, 5.0])
+
+#: 300 places on a jittered lattice, so that spheres of radius 0.15 stay apart.
+CROWD = np.stack(np.unravel_index(np.arange(300), (10, 10, 3)), axis=1) * 0.5 + (
+    np.array([-2.3, -0.6, 0.3]) + np.random.default_rng(5).uniform(-0.09, 0.09, (300, 3))
+)
 
 
 def glass(center: list[float], radius: float, **changes: float) -> dict[str, Any]:
@@ -166,6 +172,30 @@ SITUATIONS: dict[str, dict[str, Any]] = {
         "max_depth": 1000, "lights": [SUN], "target": [0.3, 0, 0.8],
         "objects": [plane([200, 90, 90], [0, 5.1, 0], [0, -1, 0], ka=0.1, kr=0.8),
                     plane([90, 90, 200], [0, -5.2, 0], [0, 1, 0], ka=0.1, kr=0.8), BALL],
+    },
+    "glass and a perfect mirror at a depth that is never reached": {
+        "max_depth": 5000, "lights": [SUN],
+        "objects": [glass([0.1, -0.8, 0.8], 0.6, kr=0.0), FLOOR,
+                    sphere([9, 99, 200], [0, 2, 1], 1, kr=1.0)],
+    },
+    "views along edges that spheres and planes touch at": {
+        "eye": [0, -6, 1], "target": [0, 0, 1], "lights": [SUN, LAMP],
+        "objects": [FLOOR, sphere([220, 60, 40], [-1, 0, 1], 1.0, **MATT), glass([1, 0, 1], 1.0),
+                    sphere([20, 160, 40], [0, 1.5, 1.25], 0.75, **MIRROR),
+                    plane([99, 99, 200], [0, 3, 0], [0, -1, 0], **MATT)],
+    },
+    "a light as far as the sun": {
+        "objects": [FLOOR, BALL, BACK, glass([0.1, -0.8, 0.8], 0.6)],
+        "lights": [([255, 250, 240], [-4e6, -9e6, 2e7])],
+    },
+    "300 spheres, some of glass and some in mirrors": {
+        "lights": [SUN, LAMP],
+        "objects": [FLOOR, *(
+            glass(CROWD[i].tolist(), 0.15) if i % 5 == 0
+            else sphere([i % 256, 255 - i % 200, 90], CROWD[i].tolist(), 0.15,
+                        **(MIRROR if i % 3 else MATT))
+            for i in range(300)
+        )],
     },
     "more light than white": {
         "objects": [sphere([255, 255, 255], [0, 0, 0.8], 1.0, ka=1.0, kd=1.0, ks=1.0, eta=4.0)],

@@ -63,7 +63,17 @@ def test_a_hostile_name_becomes_a_harmless_file_name(
     assert file.removesuffix(".pov").replace("-", "").replace("_", "").isalnum()
     assert not file.startswith("-")
     assert len(file) < 100
-    assert sum(line.startswith("//") for line in text.splitlines()) == 4
+    assert sum(line.startswith("//") for line in text.splitlines()) == 5
+
+
+def test_what_plain_povray_cannot_tell_is_said(make_scene: Callable[..., Scene]) -> None:
+    """Values that may be cut and rays that may be missing are announced in the comment."""
+    modest = PovRay().translate(make_scene(objects=OBJECTS, lights=LIGHTS), RenderOptions())
+    mirror = sphere([9, 9, 9], [0, 0, 0], 1.0, ka=0.5, kr=1.0)
+    deep = PovRay().translate(make_scene(objects=[mirror], max_depth=300), RenderOptions())
+    for words in ("Values beyond output_scale are cut", "more than 255 bounces"):
+        assert words not in modest.files["scene.pov"]
+        assert words in deep.files["scene.pov"]
 
 
 def test_another_reading_is_refused(make_scene: Callable[..., Scene]) -> None:
