@@ -1,9 +1,9 @@
 """Difference and similarity as pictures, on scales that are fixed and stated, never fitted.
 
 One ramp serves both: a handful of colours chosen by hand whose lightness rises evenly from dark to
-light and whose hue goes from blue to yellow, so that it reads the same without colour vision and in
-grey. A pixel without any difference is black, one that is not a number is magenta: neither colour is
-on the ramp.
+light and whose hue goes from blue to yellow, so that it reads the same without colour vision and
+in grey. A pixel without any difference is black, one that is not a number is magenta: neither
+colour is on the ramp.
 """
 
 from __future__ import annotations

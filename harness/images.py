@@ -75,8 +75,8 @@ def write(
 ) -> None:
     """Write a linear image (rows, columns, 3) in the format of the suffix, all of it or nothing.
 
-    `layers` go into an `.npz` beside `image`; elsewhere they raise UsageError. `rule` is the display
-    rule of the 8-bit formats.
+    `layers` go into an `.npz` beside `image`; elsewhere they raise UsageError. `rule` is the
+    display rule of the 8-bit formats.
     """
     suffix = suffix_of(path)
     if layers and suffix != ".npz":
@@ -106,9 +106,7 @@ def write_pixels(
     from crosstrace.harness import oiio_files
 
     suffix = suffix_of(path)
-    write_atomically(
-        path, lambda temporary: oiio_files.write(temporary, pixels, suffix, metadata)
-    )
+    write_atomically(path, lambda temporary: oiio_files.write(temporary, pixels, suffix, metadata))
 
 
 def write_atomically(path: str | os.PathLike[str], fill: Callable[[Path], None]) -> None:

@@ -33,8 +33,9 @@ class Task:
     """A function to submit, with hints for a `WorkerPool`; any other executor just calls it.
 
     A worker serves one `affinity` only, so what a lane loaded once stays warm for its next job.
-    Jobs of lower `rank` go first, those of one rank in the order in which they came. `timeout_s` bounds the job, `label` names it in errors, and `on_progress`, called in a thread of
-    the pool, makes the function receive a `progress` argument that calls it back.
+    Jobs of lower `rank` go first, those of one rank in the order in which they came. `timeout_s`
+    bounds the job, `label` names it in errors, and `on_progress`, called in a thread of the pool,
+    makes the function receive a `progress` argument that calls it back.
     """
 
     function: Callable[..., Any]
@@ -63,9 +64,9 @@ class _Item:
 class WorkerPool(Executor):
     """Runs at most `slots` jobs at once, each in a worker process; workers are started on demand.
 
-    `threads` bounds the thread pools of numerical libraries in each worker (0: no bound). A job that
-    passes its time limit or whose process dies fails with RendererError, and only that process is
-    replaced. Leaving the pool's `with` block by an exception kills everything at once.
+    `threads` bounds the thread pools of numerical libraries in each worker (0: no bound). A job
+    that passes its time limit or whose process dies fails with RendererError, and only that process
+    is replaced. Leaving the pool's `with` block by an exception kills everything at once.
     """
 
     def __init__(self, slots: int, *, threads: int = 0) -> None:
@@ -113,7 +114,7 @@ class WorkerPool(Executor):
             self._finalizer()
 
     def kill(self) -> None:
-        """Kill every worker now, with its children; running jobs fail, queued ones are cancelled."""
+        """Kill every worker now, with its children; running jobs fail, queued ones don't start."""
         with self._state:
             self._closed = True
             self._cancel_queue()

@@ -8,6 +8,7 @@ the system has no `/proc`, the mark cannot be reset and the process's peak so fa
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import threading
 from pathlib import Path
@@ -28,10 +29,8 @@ class PeakMemory:
 
     def __enter__(self) -> PeakMemory:
         """Reset the mark and start to watch."""
-        try:
+        with contextlib.suppress(OSError):
             Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
-        except OSError:
-            pass
         self._watcher.start()
         return self
 

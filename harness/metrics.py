@@ -112,7 +112,7 @@ def measure(a: Any, b: Any, n_worst: int = N_WORST) -> Metrics:
 
 
 def _rmse(signed: Array) -> float:
-    """Root of the mean square, scaled so that tiny and huge differences neither vanish nor burst."""
+    """Root of the mean square, scaled so that squares neither vanish nor burst."""
     if not signed.size:
         return 0.0
     scale = float(np.abs(signed).max())

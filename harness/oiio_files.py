@@ -28,11 +28,11 @@ _WRITE_ATTRIBUTES: dict[str, dict[str, str | int]] = {
 
 
 def _library() -> Any:
-    import OpenImageIO as oiio
+    import OpenImageIO
 
-    oiio.attribute("limits:imagesize_MB", LARGEST_MB)
-    oiio.attribute("limits:channels", 64)
-    return oiio
+    OpenImageIO.attribute("limits:imagesize_MB", LARGEST_MB)
+    OpenImageIO.attribute("limits:channels", 64)
+    return OpenImageIO
 
 
 def read(path: Path) -> tuple[NDArray[np.float64], dict[str, str]]:

@@ -172,7 +172,7 @@ def _environment(scratch: Path, threads: int) -> dict[str, str]:
 
 
 def _widen(fd: int) -> None:
-    """Let a pipe hold a megabyte, where the system can: an image then takes a tenth of the turns."""
+    """Let a pipe hold a megabyte where the system can: images then take a tenth of the turns."""
     with contextlib.suppress(ImportError, AttributeError, OSError):
         import fcntl
 

@@ -1,7 +1,7 @@
-"""Draws `report.html` from a `report.json` alone: no pixels are read, nothing is loaded from a net.
+"""Draws `report.html` from a `report.json` alone: no pixels are read, no network is used.
 
-The template shows; this file only prepares: numbers as short texts, pairs by their lanes, colours of
-the fixed scales.
+The template shows; this file only prepares: numbers as short texts, pairs by their lanes, colours
+of the fixed scales.
 """
 
 from __future__ import annotations

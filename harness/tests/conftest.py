@@ -1,0 +1,21 @@
+"""Fixtures of the harness's tests; the helper modules beside this file reach worker processes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from crosstrace.harness.jobs import WorkerPool
+
+# Workers look for modules where their owner does.
+sys.path.insert(0, str(Path(__file__).parent))
+
+
+@pytest.fixture
+def pool() -> Iterator[WorkerPool]:
+    """Give a pool of one worker at a time."""
+    with WorkerPool(1) as made:
+        yield made
