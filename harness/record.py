@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.resources import files
@@ -17,7 +18,12 @@ from typing import Any
 from crosstrace.harness.environment import describe
 from crosstrace.harness.sources import Source
 from crosstrace.translators.effects import EFFECTS, effects
-from crosstrace.translators.errors import RendererMissingError, UnsupportedSceneError, UsageError
+from crosstrace.translators.errors import (
+    CrosstraceError,
+    RendererMissingError,
+    UnsupportedSceneError,
+    UsageError,
+)
 from crosstrace.translators.ledger import Entry
 from crosstrace.translators.renderer import Probe
 
@@ -41,7 +47,7 @@ def failed(error: BaseException) -> dict[str, Any]:
         status = "unsupported"
     return {
         "status": status,
-        "message": str(error) or type(error).__name__,
+        "message": told(error),
         "seconds": {"startup": None, "translate": None, "render": None},
         "peak_mib": None,
         "half_step": None,
@@ -51,6 +57,13 @@ def failed(error: BaseException) -> dict[str, Any]:
         "ledger": [],
         "images": {},
     }
+
+
+def told(error: BaseException) -> str:
+    """Return the text of an error: a foreign one with its type."""
+    if isinstance(error, CrosstraceError) and str(error):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
 
 
 def not_compared(message: str) -> dict[str, Any]:
@@ -167,12 +180,21 @@ def schema() -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """Return plain JSON values: numpy's scalars as Python's, numbers not finite as None."""
-    if value is None or isinstance(value, str | bool | int):
+    if value is None or isinstance(value, bool | int):
         return value
+    if isinstance(value, str):
+        return _without_places(value)
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
         return [_plain(item) for item in value]
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
-    return _plain(value.item()) if hasattr(value, "item") else str(value)
+    return _plain(value.item() if hasattr(value, "item") else str(value))
+
+
+def _without_places(text: str) -> str:
+    """Shorten what would tell a stranger about the machine: scratch directories and the home."""
+    text = re.sub(r"/\S*/crosstrace-[\w-]{8,}", "(scratch)", text)
+    home = str(Path.home())
+    return text if home == "/" else re.sub(rf"{re.escape(home)}(?=/|\W|$)", "~", text)

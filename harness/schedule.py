@@ -35,9 +35,10 @@ _GRACE_S = 5.0
 class Event:
     """Something that happened in a run.
 
-    `kind` is ``start``, ``progress``, ``done`` or ``failed``; `what` names the work, as in
-    ``render`` or ``compare``; of a comparison `lane` names both, as in ``native-povray``. `done` of
-    `total` steps are behind it; `fraction` (0…1) is how far a rendering has come.
+    `kind` is ``start``, ``progress``, ``done`` or ``failed``; `what` names the work: ``probe`` (of
+    no scene; only a failed one is told), ``render`` or ``compare``, for which `lane` names both, as
+    in ``native-povray``. `done` of `total` steps are behind it; `fraction` (0…1) is how far a
+    rendering has come.
     """
 
     kind: str
@@ -120,16 +121,17 @@ class Session:
 
     def _on_probe(self, lane: str, future: Future[Any]) -> None:
         error = future.exception()
-        probe = Probe(False, reason=str(error)) if error else future.result()
+        probe = Probe(False, reason=record.told(error)) if error else future.result()
         self._probes[lane] = probe
+        absence = error or RendererMissingError(probe.reason, probe.remedy)
+        if not probe.available:
+            # Said once here, and in the record for every scene.
+            self._tell("failed", None, lane, "probe", record.told(absence))
         for i in range(len(self._sources)):
             if probe.available:
                 self._render(i, lane, probe.version)
-            elif error:
-                self._on_rendered(i, lane, record.failed(error))
             else:
-                missing = RendererMissingError(probe.reason, probe.remedy)
-                self._on_rendered(i, lane, record.failed(missing))
+                self._on_rendered(i, lane, record.failed(absence), news=False)
 
     def _render(self, i: int, lane: str, version: str) -> None:
         settings, limit = self._settings, self._settings.timeout_s
@@ -156,9 +158,11 @@ class Session:
         self._submit(task, arguments, then)
         self._tell("start", i, lane, "render")
 
-    def _on_rendered(self, i: int, lane: str, made: dict[str, Any]) -> None:
+    def _on_rendered(self, i: int, lane: str, made: dict[str, Any], news: bool = True) -> None:
         self._rendered[i, lane] = made
-        self._step(i, lane, "render", made["message"])
+        self._step(i, lane, "render", made["message"] if news else "")
+        if not self._pairs:
+            self._forget_pixels(i)
         for a, b in self._pairs:
             if lane in (a, b) and (i, a) in self._rendered and (i, b) in self._rendered:
                 self._compare(i, a, b)
@@ -166,7 +170,8 @@ class Session:
     def _compare(self, i: int, a: str, b: str) -> None:
         without = [lane for lane in (a, b) if self._rendered[i, lane]["status"] != "ok"]
         if without:
-            self._on_compared(i, a, b, record.not_compared(f"no image of {' and '.join(without)}"))
+            reason = f"no image of {' and '.join(without)}"
+            self._on_compared(i, a, b, record.not_compared(reason), news=False)
             return
         task = Task(
             store.compare_files,
@@ -178,28 +183,37 @@ class Session:
 
         def then(future: Future[Any]) -> None:
             error = future.exception()
-            made = record.not_compared(str(error)) if error else future.result()
+            made = record.not_compared(record.told(error)) if error else future.result()
             self._on_compared(i, a, b, made)
 
         place = self._place(i, f"{self._files[a]}-{self._files[b]}")
         files = self._pixels(i, a), self._pixels(i, b)
         self._submit(task, (*files, place, package_version()), then)
 
-    def _on_compared(self, i: int, a: str, b: str, made: dict[str, Any]) -> None:
+    def _on_compared(self, i: int, a: str, b: str, made: dict[str, Any], news: bool = True) -> None:
         self._compared[i, a, b] = made
-        self._step(i, f"{a}-{b}", "compare", made["message"])
+        self._step(i, f"{a}-{b}", "compare", made["message"] if news else "")
         if all((i, *pair) in self._compared for pair in self._pairs):
-            for lane in self._lanes:
-                self._pixels(i, lane).unlink(missing_ok=True)
+            self._forget_pixels(i)
+
+    def _forget_pixels(self, i: int) -> None:
+        for lane in self._lanes:
+            self._pixels(i, lane).unlink(missing_ok=True)
 
     def _step(self, i: int, lane: str, what: str, trouble: str) -> None:
         self._done += 1
         self._tell("failed" if trouble else "done", i, lane, what, trouble, 1.0)
 
     def _tell(
-        self, kind: str, i: int, lane: str, what: str, message: str = "", fraction: float = 0.0
+        self,
+        kind: str,
+        i: int | None,
+        lane: str,
+        what: str,
+        message: str = "",
+        fraction: float = 0.0,
     ) -> None:
-        name = self._sources[i].name
+        name = "" if i is None else self._sources[i].name
         event = Event(kind, name, lane, what, self._done, self._total, message, fraction)
         self._settings.observe(event)
 
@@ -217,6 +231,4 @@ class Session:
         pairs: list[Mapping[str, Any]] = [
             {"a": a, "b": b, **self._compared[i, a, b]} for a, b in self._pairs
         ]
-        return record.scene(
-            self._sources[i], renderers, pairs, self._settings.options.readings
-        )
+        return record.scene(self._sources[i], renderers, pairs, self._settings.options.readings)
