@@ -69,7 +69,7 @@ def test_a_hostile_name_becomes_a_harmless_file_name(
 def test_what_plain_povray_cannot_tell_is_said(make_scene: Callable[..., Scene]) -> None:
     """Values that may be cut and rays that may be missing are announced in the comment."""
     modest = PovRay().translate(make_scene(objects=OBJECTS, lights=LIGHTS), RenderOptions())
-    mirror = sphere([9, 9, 9], [0, 0, 0], 1.0, ka=0.5, kr=1.0)
+    mirror = sphere([255, 255, 255], [0, 0, 0], 1.0, ka=0.5, kr=1.0)
     deep = PovRay().translate(make_scene(objects=[mirror], max_depth=300), RenderOptions())
     for words in ("Values beyond output_scale are cut", "more than 255 bounces"):
         assert words not in modest.files["scene.pov"]
