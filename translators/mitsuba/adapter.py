@@ -22,7 +22,7 @@ from crosstrace.translators.ledger import Entry
 from crosstrace.translators.mitsuba import document, fidelity, first_delivery, runtime
 from crosstrace.translators.mitsuba import probe as probing
 from crosstrace.translators.mitsuba.elements import Element, to_dict
-from crosstrace.translators.mitsuba.files import command, text
+from crosstrace.translators.mitsuba.files import command, file_name, text
 from crosstrace.translators.renderer import (
     Capabilities,
     Probe,
@@ -82,7 +82,7 @@ class _Mitsuba:
     def translate(self, scene: Scene, options: RenderOptions) -> Translation:
         """Write the scene as one XML file, and the line that renders it."""
         elements = self.document(scene, self._called_for(scene, options))
-        file = "scene.xml"
+        file = file_name(scene.name)
         return Translation({file: text(elements)}, command(elements, file))
 
     def _called_for(self, scene: Scene, options: RenderOptions) -> frozenset[str]:

@@ -6,6 +6,7 @@ an array of float64 as well.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import PurePath
 
@@ -13,6 +14,11 @@ from crosstrace.translators.mitsuba.elements import Element, to_xml
 
 _OURS = "crosstrace_"
 _PLUGINS = "import crosstrace.translators.mitsuba.plugins"
+
+
+def file_name(scene_name: str) -> str:
+    """Return a file name for a scene, of letters, digits, dots, hyphens and underscores only."""
+    return (re.sub(r"[^A-Za-z0-9._-]", "_", scene_name).strip(".") or "scene") + ".xml"
 
 
 def text(elements: Sequence[Element]) -> str:
@@ -25,7 +31,7 @@ def text(elements: Sequence[Element]) -> str:
 
 
 def command(elements: Sequence[Element], file: str) -> str:
-    """Return the line that renders `file`, a name without quotes or blanks."""
+    """Return the line that renders `file`, a name of `file_name`."""
     stem = PurePath(file).stem
     steps = ["import mitsuba as mi", "mi.set_variant('llvm_ad_rgb')"]
     if _ours(elements):
