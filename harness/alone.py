@@ -11,7 +11,7 @@ from typing import Any
 
 from crosstrace.harness import tasks
 from crosstrace.harness.jobs import Task, WorkerPool, available_cores
-from crosstrace.translators.renderer import Probe, Progress, Rendering, RenderOptions
+from crosstrace.translators.renderer import Probe, Progress, Rendering, RenderOptions, Translation
 from crosstrace.translators.scene import Scene
 
 #: A lane that has not said within this time whether it works does not.
@@ -45,6 +45,13 @@ def probe(lane: str) -> Probe:
     label = f"{lane}: looking for it"
     found: Probe = _call(Task(tasks.probe, lane, timeout_s=PROBE_TIMEOUT_S, label=label), lane)
     return found
+
+
+def translate(lane: str, scene: Scene, options: RenderOptions | None = None) -> Translation:
+    """Have a lane write a scene in its own language."""
+    task = Task(tasks.translate, lane, timeout_s=PROBE_TIMEOUT_S, label=lane)
+    made: Translation = _call(task, lane, scene, options or RenderOptions())
+    return made
 
 
 def _call(task: Task, *args: Any) -> Any:

@@ -1,97 +1,127 @@
-"""The command `crosstrace`: what it offers, and how it ends.
+"""The command `crosstrace`: finds the subcommand, and turns errors into exit statuses.
 
-A command's module is imported only when it is called, and nothing heavy before it is needed, so
-that `crosstrace --help` answers at once. Exit status: 0 all is well, 1 a scene disagrees, 2 wrong
-usage or bad input, 3 a renderer is missing or failed, 130 interrupted.
+Exit status: 0; 2 for wrong usage or bad input; 3 where a renderer is missing or failed; 130 after
+an interrupt. Each command stands in a module of its own that is imported when it is called for, so
+that help costs nothing.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
+from collections.abc import Sequence
 from importlib import import_module
-from typing import Any
+from typing import Any, NoReturn
 
 import click
 
-from crosstrace.translators.errors import CrosstraceError, RendererError
+OK, BAD_INPUT, RENDERER_FAILED = 0, 2, 3
+#: The customary ones, for what the statuses of the design do not name.
+INTERNAL_ERROR, INTERRUPTED, BROKEN_PIPE, TERMINATED = 70, 130, 141, 143
 
-USAGE, RENDERER, INTERRUPTED = 2, 3, 130
-
-#: Command → the line that `--help` shows. Each stands in `commands/<name>.py` as `command`.
+#: Command → its line in the overview, so that the overview imports none of them.
 COMMANDS = {
-    "run": "Render scenes with every renderer, compare them, write a report.",
-    "render": "Render one image.",
-    "translate": "Write a scene in another renderer's language.",
-    "compare": "Compare two images.",
-    "effects": "Say which effects a scene calls for.",
-    "report": "Draw the page of a report.json again.",
-    "doctor": "Say which renderers work here.",
+    "run": "Render scenes through every renderer, compare, and write a report.",
+    "render": "Render one scene with one renderer to an image file.",
+    "translate": "Write a scene in another renderer's own language.",
+    "compare": "Compare two images in numbers.",
+    "effects": "Say what a scene calls for, object by object.",
+    "report": "Draw the page again from a report.json.",
+    "doctor": "Say which renderers work here, and how to install what is missing.",
 }
 
 
-class LazyGroup(click.Group):
-    """A group whose commands are imported when they are called."""
+class _Lazy(click.Group):
+    """A group that imports a command's module when the command is called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the commands in the order of the table."""
+        """List the commands in the order of the overview."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import and return a command."""
+        """Import a command."""
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(f"crosstrace.harness.commands.{cmd_name}").command
+        module = import_module(f"crosstrace.harness.commands.{cmd_name}")
+        command: click.Command = module.command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List the commands from the table, without importing them."""
+        """Write the overview without importing any command."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
-    if wanted and not ctx.resilient_parsing:
-        from importlib.metadata import version
+    if wanted:
+        import crosstrace
 
-        click.echo(f"crosstrace {version('crosstrace')}")
+        click.echo(f"crosstrace {crosstrace.__version__}")
         ctx.exit()
 
 
-@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
-@click.option(
-    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version,
-    help="Show the version and exit.",
-)  # fmt: skip
+@click.group(
+    "crosstrace",
+    cls=_Lazy,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 80},
+    epilog="A SCENE is a file in the course's format, a folder of such files, or the name of a "
+    "packaged scene. `crosstrace COMMAND --help` says more.",
+)
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, help="Say the version.",
+              callback=_print_version)  # fmt: skip
 def group() -> None:
-    """Cross-validate ray tracers: one scene, independent renderers, every difference named.
-
-    A SCENE is a file in the course's format, a folder of such files, or the name of a packaged
-    scene (such as vidro4). No scene named: all packaged course scenes.
-    """
+    """Render one scene with independent ray tracers and say where they differ."""
 
 
-def main(arguments: list[str] | None = None) -> Any:
-    """Run the command line and end the process with its exit status."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit status."""
+    _prepare()
     try:
-        status = group.main(args=arguments, prog_name="crosstrace", standalone_mode=False)
+        status = group.main(arguments, prog_name="crosstrace", standalone_mode=False)
         sys.stdout.flush()
     except click.exceptions.Abort:
-        _end(INTERRUPTED, "interrupted")
-    except KeyboardInterrupt:
-        _end(INTERRUPTED, "interrupted")
-    except click.ClickException as error:
-        error.show()
-        sys.exit(USAGE)
+        return _interrupted()
     except BrokenPipeError:
-        # The reader has seen enough; nothing may be written at exit either.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
-    except CrosstraceError as error:
-        _end(RENDERER if isinstance(error, RendererError) else USAGE, str(error))
-    sys.exit(status if isinstance(status, int) else 0)
+        _forget_output()
+        return BROKEN_PIPE
+    except Exception as error:
+        return _status_of(error)
+    return status if isinstance(status, int) else OK
 
 
-def _end(status: int, text: str) -> None:
-    click.echo(f"crosstrace: {text}", err=True)
-    sys.exit(status)
+def _status_of(error: Exception) -> int:
+    if isinstance(error, click.ClickException):
+        error.show()
+        return error.exit_code
+    from crosstrace.translators.errors import CrosstraceError, RendererError
+
+    if not isinstance(error, CrosstraceError):
+        # A defect of this program: its traceback is for us, and 1 would mean a disagreement.
+        sys.excepthook(type(error), error, error.__traceback__)
+        return INTERNAL_ERROR
+    click.echo(f"crosstrace: {error}", err=True)
+    return RENDERER_FAILED if isinstance(error, RendererError) else BAD_INPUT
+
+
+def _prepare() -> None:
+    """Let no name of a file break the output, and unwind where the process is asked to end."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure: Any = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="replace")
+    signal.signal(signal.SIGTERM, _terminate)
+
+
+def _terminate(*_: object) -> NoReturn:
+    sys.exit(TERMINATED)
+
+
+def _interrupted() -> int:
+    click.echo("\ncrosstrace: interrupted", err=True)
+    return INTERRUPTED
+
+
+def _forget_output() -> None:
+    """Have the interpreter's last flush go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,152 +1,138 @@
-"""What a terminal shows: progress, and tables that fit 80 columns.
+"""What people see: results on the standard output, progress and notes on the standard error.
 
-A bar on a terminal, plain lines elsewhere; all of it on standard error, so that standard output
-holds results alone. Colours are left out under NO_COLOR.
+On a terminal progress is a bar, elsewhere it is plain lines. Colours stand on terminals only, and
+never under `NO_COLOR`. Tables are at most 80 columns wide.
 """
 
 from __future__ import annotations
 
-import contextlib
+import json
+import os
 import sys
-import time
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TextIO
 
-import click
-
-from crosstrace.harness.schedule import Event
-
-#: Elsewhere than on a terminal, a line no more often than this, but for failures and the last.
-_LINE_EVERY_S = 5.0
-
-
-@contextlib.contextmanager
-def progress(quiet: bool) -> Iterator[Callable[[Event], None]]:
-    """Give a function to be told of events, drawn as a bar or as lines; quiet: not at all."""
-    if quiet:
-        yield lambda event: None
-    elif sys.stderr.isatty():
-        with _bar() as observe:
-            yield observe
-    else:
-        yield _lines()
-
-
-@contextlib.contextmanager
-def _bar() -> Iterator[Callable[[Event], None]]:
+if TYPE_CHECKING:
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-    from rich.progress import TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import Progress as RichProgress
+    from rich.progress import TaskID
 
-    columns = (
-        BarColumn(bar_width=24), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn(),
-        TextColumn("{task.description}", markup=False),
-    )  # fmt: skip
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("starting", total=None)
+WIDTH = 80
 
-        def observe(event: Event) -> None:
-            if event.kind == "failed":
-                bar.console.print(_sentence(event), markup=False, highlight=False)
-            done = event.done + event.fraction
-            bar.update(task, total=event.total, completed=done, description=_sentence(event))
-
-        yield observe
+#: A word of a table → its colour.
+STYLES = {"ok": "green", "missing": "red", "failed": "red", "unsupported": "yellow"}
 
 
-def _lines() -> Callable[[Event], None]:
-    last = time.monotonic()
+class Bar:
+    """A progress that counts steps: `advance` after each, `fraction` within a single one."""
 
-    def observe(event: Event) -> None:
-        nonlocal last
-        now = time.monotonic()
-        done = event.kind in ("done", "failed")
-        ends = event.kind == "failed" or (done and event.done == event.total)
-        if ends or (done and now - last >= _LINE_EVERY_S):
-            last = now
-            click.echo(f"[{event.done}/{event.total}] {_sentence(event)}", err=True)
+    def __init__(self, quiet: bool, rich_bar: RichProgress | None, task: TaskID | None) -> None:
+        """Take the bar of a terminal; None elsewhere."""
+        self._quiet, self._rich, self._task = quiet, rich_bar, task
 
-    return observe
+    def advance(self, done: int, total: int, text: str, failed: bool = False) -> None:
+        """Show that `done` of `total` steps are done and what the last one was."""
+        if self._rich is not None and self._task is not None:
+            self._rich.update(self._task, completed=done, total=total, description=_cut(text))
+            if failed:
+                self._rich.console.print(text, style="red", markup=False, highlight=False)
+        elif not self._quiet:
+            width = len(str(total))
+            _write(sys.stderr, f"[{done:{width}}/{total}] {text}")
 
-
-def _sentence(event: Event) -> str:
-    text = f"{event.what} {event.scene}: {event.lane}"
-    return f"{text} failed: {event.message}" if event.kind == "failed" else text
-
-
-def summary(report: Mapping[str, Any]) -> None:
-    """Print what a run found: each lane of each scene against the first lane."""
-    lanes = [lane["name"] for lane in report["scenes"][0]["renderers"]]
-    base, others = lanes[0], lanes[1:]
-    width = max(len("scene"), *(len(scene["name"]) for scene in report["scenes"]))
-    width = min(width, 20)
-    title = f"Greatest difference to {base} on linear float (pixels beyond 1/255)"
-    click.echo(click.style(title, bold=True) if _has_colors() else title)
-    click.echo(f"{'scene':{width}}" + "".join(f"{lane:>19}" for lane in others))
-    for scene in report["scenes"]:
-        status = {lane["name"]: lane["status"] for lane in scene["renderers"]}
-        pairs = {pair["b"]: pair for pair in scene["pairs"] if pair["a"] == base}
-        cells = [_cell(status, base, lane, pairs.get(lane)) for lane in others]
-        click.echo(f"{scene['name'][:width]:{width}}" + "".join(f"{cell:>19}" for cell in cells))
-    seen = set()
-    for scene in report["scenes"]:
-        for lane in scene["renderers"]:
-            if lane["status"] != "ok" and (lane["name"], lane["message"]) not in seen:
-                seen.add((lane["name"], lane["message"]))
-                click.echo(f"{lane['name']} {lane['status']}: {lane['message']}")
+    def fraction(self, value: float) -> None:
+        """Show how much of a single step is done, 0…1; terminals only."""
+        if self._rich is not None and self._task is not None:
+            self._rich.update(self._task, completed=value)
 
 
-def _cell(status: Mapping[str, str], base: str, lane: str, pair: Mapping[str, Any] | None) -> str:
-    for name in (lane, base):
-        if status[name] != "ok":
-            return status[name] if name == lane else f"no {base}"
-    if pair is None or pair["pixels"] is None:
-        return "not compared"
-    size = "not finite" if pair["max"] is None else f"{pair['max']:.1e}" if pair["max"] else "0"
-    return f"{size} ({pair['over_1_255']})"
+@contextmanager
+def progress(quiet: bool, text: str, total: float = 1.0, counted: bool = True) -> Iterator[Bar]:
+    """Show progress while the block runs; `counted` for steps, otherwise a percentage."""
+    if quiet or not is_terminal(sys.stderr):
+        if not quiet:
+            _write(sys.stderr, text)
+        yield Bar(quiet, None, None)
+        return
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeElapsedColumn,
+    )
+
+    count = MofNCompleteColumn() if counted else TaskProgressColumn()
+    words = TextColumn("{task.description}", markup=False)
+    columns = (BarColumn(20), count, TimeElapsedColumn(), words)
+    with Progress(*columns, console=_console(sys.stderr), transient=True) as bar:
+        yield Bar(quiet, bar, bar.add_task(_cut(text), total=total))
 
 
-def comparison(found: Mapping[str, Any]) -> None:
-    """Print the numbers of one comparison."""
-    for key in ("max", "mean", "bias", "rmse", "psnr", "ssim"):
-        value = found[key]
-        click.echo(f"{key:12}{'-' if value is None else format(value, '.6g')}")
-    pixels = found["pixels"]
-    for key, label in (("over_1_255", "> 1/255"), ("over_1e_4", "> 1e-4"), ("over_1e_9", "> 1e-9")):
-        click.echo(f"{label:12}{found[key]} of {pixels} pixels")
-    if found["nonfinite"]:
-        click.echo(f"not finite  {found['nonfinite']} of {pixels} pixels")
-    for pixel in found["worst"]:
-        a, b = (" ".join(f"{v:.6g}" for v in pixel[side]) for side in "ab")
-        click.echo(f"  row {pixel['row']} column {pixel['col']}: {a} against {b}")
+def note(text: str, quiet: bool = False) -> None:
+    """Write a line for people beside the result."""
+    if not quiet:
+        _write(sys.stderr, text)
 
 
-def effects(found: Mapping[str, Any], is_sphere: list[bool]) -> None:
-    """Print what a scene calls for."""
-    click.echo(f"{found['scene']} calls for: {', '.join(found['effects']) or 'nothing'}")
-    click.echo(f"left out: {', '.join(found['left_out']) or 'nothing'}")
-    for item, ball in zip(found["objects"], is_sphere, strict=True):
-        kind = "sphere" if ball else "plane"
-        click.echo(f"  {item['index']:4} {kind:7}{', '.join(item['effects']) or 'nothing'}")
+def result(text: str) -> None:
+    """Write a line of the result itself."""
+    _write(sys.stdout, text)
 
 
-def doctor(answer: Mapping[str, Any]) -> None:
-    """Print which lanes work."""
-    about = answer["environment"]
-    click.echo(f"crosstrace {about['crosstrace']}, Python {about['python']}, {about['system']}")
-    click.echo(f"{about['cpu']}, {about['cores']} cores")
-    for lane in answer["renderers"]:
-        state = lane["version"] if lane["available"] else "missing"
-        click.echo(f"{lane['name']:13}{state}")
-        for name, value in lane["details"].items():
-            click.echo(f"{'':13}{name}: {value}")
-        if not lane["available"]:
-            click.echo(f"{'':13}{lane['reason']}")
-            if lane["remedy"]:
-                click.echo(f"{'':13}install it with: {lane['remedy']}")
+def json_result(value: Any) -> None:
+    """Write a result for programs: JSON in plain ASCII, so that no locale can break it."""
+    json.dump(value, sys.stdout, indent=1, allow_nan=False)
+    _write(sys.stdout, "")
 
 
-def _has_colors() -> bool:
-    import os
+def table(header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[str] = ()) -> None:
+    """Print a table on the standard output; the columns in `right` hold numbers."""
+    from rich.table import Table
+    from rich.text import Text
 
-    return sys.stdout.isatty() and not os.environ.get("NO_COLOR")
+    console = _console(sys.stdout)
+    drawn = Table(box=None, padding=(0, 1, 0, 0), pad_edge=False, header_style="bold")
+    for name in header:
+        drawn.add_column(name, justify="right" if name in right else "left", overflow="fold")
+    for row in rows:
+        drawn.add_row(*(Text(cell, style=STYLES.get(cell, "")) for cell in row))
+    if is_terminal(sys.stdout):
+        console.print(drawn)
+        return
+    # Without the blanks that pad the last column.
+    with console.capture() as captured:
+        console.print(drawn)
+    for line in captured.get().splitlines():
+        _write(sys.stdout, line.rstrip())
+
+
+def is_terminal(stream: TextIO) -> bool:
+    """Whether a stream is a terminal that can move its cursor."""
+    return stream.isatty() and os.environ.get("TERM", "") not in ("", "dumb")
+
+
+def number(value: float | None, digits: int = 2) -> str:
+    """Write a number in few characters: 0, 0.034, 3.4e-07; a dash for none."""
+    return "-" if value is None else f"{value:.{digits}g}"
+
+
+def _console(stream: TextIO) -> Console:
+    from rich.console import Console
+
+    terminal = is_terminal(stream)
+    width = (
+        min(WIDTH, os.get_terminal_size(stream.fileno()).columns or WIDTH) if terminal else WIDTH
+    )
+    return Console(file=stream, width=width, force_terminal=terminal, highlight=False, emoji=False)
+
+
+def _cut(text: str, length: int = 40) -> str:
+    return text if len(text) <= length else text[: length - 1] + "…"
+
+
+def _write(stream: TextIO, text: str) -> None:
+    stream.write(text + "\n")
+    stream.flush()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import lru_cache
+from functools import cache
 from importlib import import_module
 
 from crosstrace.translators.errors import UsageError
@@ -16,7 +16,7 @@ __all__ = ["LANES", "REFERENCE", "chosen", "loaded"]
 REFERENCE = "native"
 
 
-@lru_cache(maxsize=None)
+@cache
 def loaded(lane: str) -> Renderer:
     """Return a lane's renderer, one for the process: what it loads stays warm.
 

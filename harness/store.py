@@ -37,7 +37,7 @@ class Place:
         return path
 
     def entry(self, suffix: str) -> dict[str, str]:
-        """Return the record of a written file: its name from the report and the hash of its bytes."""
+        """Return the record of a written file: its name from the report, the hash of its bytes."""
         return {"file": self.stem + suffix, "sha256": images.sha256(self.file(suffix))}
 
 

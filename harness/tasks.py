@@ -51,7 +51,9 @@ def render(
         ("pixels", scene.v_res * scene.h_res, limits.max_pixels),
     ):
         if limit is not None and value > limit:
-            raise UnsupportedSceneError(f"{renderer.name} takes at most {limit} {what}, not {value}")
+            raise UnsupportedSceneError(
+                f"{renderer.name} takes at most {limit} {what}, not {value}"
+            )
     with PeakMemory() as memory:
         made = renderer.render(scene, options, progress)
     if not isinstance(made.image, np.ndarray) or made.image.shape != scene.shape:

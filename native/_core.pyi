@@ -1,4 +1,4 @@
-"""The native library over the limited API of CPython; see `include/crosstrace.h` for its contract."""
+"""The native library over CPython's limited API; its contract is in `include/crosstrace.h`."""
 
 from collections.abc import Callable
 from typing import Any

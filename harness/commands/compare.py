@@ -1,43 +1,95 @@
-"""`crosstrace compare`: numbers about two images."""
+"""`crosstrace compare`: two image files in numbers."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from crosstrace.harness import console
 from crosstrace.harness.commands import options
-from crosstrace.translators.errors import UsageError
+
+if TYPE_CHECKING:
+    from crosstrace.harness.comparison import Comparison
+    from crosstrace.translators.scene import Scene
+
+_LABELS = {
+    "max": "greatest difference",
+    "mean": "mean difference",
+    "bias": "mean of A - B",
+    "rmse": "root mean square",
+    "psnr": "PSNR (peak 1), dB",
+    "ssim": "SSIM of the display colour",
+    "over_1_255": "pixels beyond 1/255",
+    "over_1e_4": "pixels beyond 1e-4",
+    "over_1e_9": "pixels beyond 1e-9",
+    "differing": "pixels that differ at all",
+    "nonfinite": "pixels not finite",
+    "pixels": "pixels",
+}
 
 
-@click.command()
-@click.argument("a", type=click.Path(path_type=Path))
-@click.argument("b", type=click.Path(path_type=Path))
-@click.option("--scene", help="The scene that both show: checks their size.")
-@options.delivery
-@options.json_output
-def command(a: Path, b: Path, scene: str | None, delivery: int | None, as_json: bool) -> None:
-    """Compare the images A and B on linear float, and by SSIM on the display colour."""
-    from crosstrace.harness import console, images, record
-    from crosstrace.harness.metrics import measure
-    from crosstrace.harness.sources import find_one
-    from crosstrace.harness.ssim import similarity
+@click.command("compare")
+@click.argument("a")
+@click.argument("b")
+@click.option("--scene", help="The scene of both images: their size and origin are checked.")
+@options.scene_options
+@options.as_json
+def command(
+    a: str,
+    b: str,
+    scene: str | None,
+    size: tuple[int, int] | None,
+    delivery: int | None,
+    as_json: bool,
+) -> None:
+    """Compare the images A and B on linear float.
 
-    first, second = images.read(a), images.read(b)
-    numbers = measure(first, second)
-    if scene is not None:
-        shape = find_one(scene, delivery=delivery).scene.shape
-        if first.shape != shape:
-            wanted, found = (f"{s[0]}x{s[1]}" for s in (shape, first.shape))
-            raise UsageError(f"{a}: expected {wanted} pixels as the scene says, found {found}")
-    found = {
-        "a": str(a), "b": str(b), "max": numbers.max, "mean": numbers.mean, "bias": numbers.bias,
-        "rmse": numbers.rmse, "psnr": numbers.psnr, "ssim": similarity(first, second).mean,
-        **numbers.over, "pixels": numbers.pixels, "differing": numbers.differing,
-        "nonfinite": numbers.nonfinite, "worst": [asdict(pixel) for pixel in numbers.worst],
-    }  # fmt: skip
+    8-bit values v are taken as v / 255. The formats are those of `render`.
+    """
+    from crosstrace.harness.comparison import compare
+
+    known = None if scene is None else options.one_scene(scene, delivery, size).scene
+    first, second = (_image(path, known) for path in (a, b))
+    compared = compare(first, second, known)
     if as_json:
-        click.echo(record.dumps(found), nl=False)
-    else:
-        console.comparison(found)
+        about = None if known is None else {"name": known.name, "sha256": known.sha256}
+        console.json_result({"a": a, "b": b, "scene": about, **compared.record()})
+        return
+    _print(compared)
+
+
+def _image(path: str, scene: Scene | None) -> Any:
+    from crosstrace.harness.images import PREFIX, read_with_metadata
+    from crosstrace.translators.errors import UsageError
+
+    image, metadata = read_with_metadata(path)
+    made_of = metadata.get(PREFIX + "scene_sha256")
+    if scene is not None and made_of not in (None, scene.sha256):
+        raise UsageError(f"{path}: expected an image of {scene.name}, found one of another scene")
+    return image
+
+
+def _print(compared: Comparison) -> None:
+    record = compared.record()
+    rows = []
+    for key, label in _LABELS.items():
+        value = record[key]
+        counted = isinstance(value, int)
+        text = f"{value:,}" if counted else console.number(value, 6 if key == "ssim" else 4)
+        if key == "psnr" and compared.metrics.rmse == 0.0:
+            text = "infinite"
+        rows.append((label, text))
+    console.table(("", "value"), rows, right=("value",))
+    if compared.metrics.worst:
+        console.result("\nworst pixels")
+        header = ("row", "column", "difference", "A", "B")
+        worst = [
+            (str(p.row), str(p.col), console.number(p.difference), _color(p.a), _color(p.b))
+            for p in compared.metrics.worst
+        ]
+        console.table(header, worst, right=header[:3])
+
+
+def _color(color: tuple[float, float, float]) -> str:
+    return " ".join(f"{value:.5g}" for value in color)

@@ -2,39 +2,67 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
 import click
 
-from crosstrace.harness.cli import RENDERER
+from crosstrace.harness import console
 from crosstrace.harness.commands import options
 
+if TYPE_CHECKING:
+    from crosstrace.translators.renderer import Probe
 
-@click.command()
+
+@click.command("doctor")
 @options.renderers
-@options.json_output
-@click.pass_context
-def command(ctx: click.Context, renderers: str | None, as_json: bool) -> None:
-    """Say which renderers work here. Ends with status 3 where one is missing."""
+@options.as_json
+@options.quiet
+def command(renderers: str | None, as_json: bool, quiet: bool) -> int:
+    """Say which renderers work here, their versions, and what to install.
+
+    The exit status is 3 where one of them is missing.
+    """
+    from crosstrace.harness.cli import OK, RENDERER_FAILED
+    from crosstrace.harness.environment import describe
     from crosstrace.harness.lanes import chosen
 
     lanes = chosen(renderers)
-    from crosstrace.harness import console, environment, record, tasks
-    from crosstrace.harness.jobs import Task, WorkerPool
+    found = _probe(lanes, quiet)
+    if as_json:
+        rows = [{"name": lane, **asdict(probe)} for lane, probe in found.items()]
+        console.json_result({"environment": describe(), "renderers": rows})
+    else:
+        _print(found)
+    return OK if all(probe.available for probe in found.values()) else RENDERER_FAILED
+
+
+def _probe(lanes: tuple[str, ...], quiet: bool) -> dict[str, Probe]:
+    from crosstrace.harness import alone
+    from crosstrace.translators.errors import RendererError
     from crosstrace.translators.renderer import Probe
 
-    found = []
-    with WorkerPool(len(lanes)) as pool:
-        futures = [
-            pool.submit(Task(tasks.probe, affinity=lane, timeout_s=120, label=lane), lane)
-            for lane in lanes
-        ]
-        for lane, future in zip(lanes, futures, strict=True):
-            error = future.exception()
-            probe = Probe(False, reason=str(error)) if error else future.result()
-            found.append({"name": lane, **vars(probe), "details": dict(probe.details)})
-    answer = {"environment": environment.describe(), "renderers": found}
-    if as_json:
-        click.echo(record.dumps(answer), nl=False)
-    else:
-        console.doctor(answer)
-    if not all(entry["available"] for entry in found):
-        ctx.exit(RENDERER)
+    found = {}
+    with console.progress(quiet, "looking for renderers", len(lanes)) as bar:
+        for done, lane in enumerate(lanes, 1):
+            try:
+                found[lane] = alone.probe(lane)
+            except RendererError as error:
+                found[lane] = Probe(False, reason=str(error))
+            works = found[lane].available
+            bar.advance(done, len(lanes), f"{lane} {'ok' if works else 'missing'}", not works)
+    return found
+
+
+def _print(found: dict[str, Probe]) -> None:
+    rows = []
+    for lane, probe in found.items():
+        details = ", ".join(f"{name}: {value}" for name, value in probe.details.items())
+        status = "ok" if probe.available else "missing"
+        rows.append((lane, status, probe.version, details or probe.reason))
+    console.table(("renderer", "status", "version", "details"), rows)
+    for lane, probe in found.items():
+        if not probe.available:
+            console.result(f"\n{lane}: {probe.reason}")
+            if probe.remedy:
+                console.result(f"  install it with: {probe.remedy}")

@@ -1,52 +1,105 @@
-"""Options that several commands share, and what their texts mean."""
+"""Options that several commands take, and how their texts are read."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from crosstrace.translators.errors import UsageError
+if TYPE_CHECKING:
+    from crosstrace.harness.display import DisplayRule
+    from crosstrace.harness.sources import Source
 
-json_output = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-quiet = click.option("-q", "--quiet", is_flag=True, help="No progress, no summary.")
-delivery = click.option(
-    "--delivery", type=click.IntRange(1, 3), help="Read as this delivery, whatever the text says."
-)
-size = click.option(
-    "--size", metavar="RxC", help="Another resolution, rows x columns; the field of view stays."
-)
+_MOST_PIXELS_A_SIDE = 10**6
+
+
+_DELIVERY = click.Choice(["1", "2", "3"])
+
+as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of a table.")
+quiet = click.option("-q", "--quiet", is_flag=True, help="Show no progress and no notes.")
+settings = click.option(
+    "--set", "settings", multiple=True, metavar="READING=VALUE",
+    help="Take another reading of the specification; may be repeated.",
+)  # fmt: skip
 renderers = click.option(
-    "--renderers", metavar="A,B", help="Only these renderers; see `crosstrace doctor`."
+    "--renderers", metavar="A,B", help="Only these, out of native,mitsuba,mitsuba-f64,povray."
+)
+threads = click.option(
+    "--threads", type=click.IntRange(0), default=0, help="Threads of the renderer; 0: all cores."
 )
 timeout = click.option(
-    "--timeout", type=click.FloatRange(min=0, min_open=True), metavar="S", default=300.0,
-    show_default=True, help="Seconds after which a renderer is taken to hang.",
+    "--timeout", type=click.FloatRange(0, min_open=True), metavar="SECONDS",
+    help="Give a renderer up after this time.",
 )  # fmt: skip
-threads = click.option(
-    "--threads", type=click.IntRange(min=0), default=0, metavar="N", help="0: all cores."
+jobs = click.option(
+    "--jobs", type=click.IntRange(1), help="How much is worked on at once; default: one a core."
 )
-readings = click.option(
-    "--set", "settings", multiple=True, metavar="NAME=VALUE",
-    help="Another reading of the specification, such as tir=ignore; may be repeated.",
-)  # fmt: skip
-precision = click.option(
-    "--precision", default="f64", show_default=True, help="Arithmetic of the native tracer."
-)
-
-
-def resolution(text: str | None) -> tuple[int, int] | None:
-    """Read `480x640` as (rows, columns); raises UsageError for anything else."""
-    if text is None:
-        return None
-    found = re.fullmatch(r"([1-9]\d{0,6})[xX×]([1-9]\d{0,6})", text)
-    if not found:
-        raise UsageError(f"--size: expected ROWSxCOLUMNS such as 480x640, found {text!r}")
-    return int(found[1]), int(found[2])
 
 
 def scene_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that say how a scene is read."""
-    return delivery(size(function))
+    """Add the options that say how a scene file is read."""
+    size = click.option(
+        "--size", metavar="RxC", callback=_as_size, help="Other rows x columns, same field of view."
+    )
+    delivery = click.option(
+        "--delivery", type=_DELIVERY, callback=_as_number, help="Which format the file has."
+    )
+    return size(delivery(function))
+
+
+def one_scene(text: str, delivery: int | None, size: tuple[int, int] | None) -> Source:
+    """Read the one scene that a text names."""
+    from crosstrace.harness.sources import find_one
+
+    return find_one(text, delivery=delivery, size=size)
+
+
+def one_lane(text: str) -> str:
+    """Return the name of the one lane that a text names, or raise UsageError."""
+    from crosstrace.harness.lanes import chosen
+    from crosstrace.translators.errors import UsageError
+
+    lanes = chosen(text)
+    if len(lanes) > 1:
+        raise UsageError(f"expected one renderer, found {text!r}")
+    return lanes[0]
+
+
+def split_settings(texts: Iterable[str]) -> tuple[DisplayRule, dict[str, str]]:
+    """Read `--set` texts: the rule of the 8-bit image, and the readings of the specification."""
+    from crosstrace.harness.display import READINGS, DisplayRule
+    from crosstrace.translators import readings
+
+    parts = [text.partition("=") for text in texts]
+    display = {name.strip(): value.strip() for name, _, value in parts if name.strip() in READINGS}
+    rule, _ = DisplayRule.split(display)
+    return rule, readings.parse(
+        f"{name}{equals}{value}" for name, equals, value in parts if name.strip() not in READINGS
+    )
+
+
+def check_target(path: Path) -> None:
+    """Raise UsageError, before any work is done, where a file cannot be written."""
+    from crosstrace.translators.errors import UsageError
+
+    if path.is_dir():
+        raise UsageError(f"{path}: expected a file name, found a directory")
+    if not path.parent.is_dir():
+        raise UsageError(f"{path}: cannot be written: there is no directory {path.parent}")
+
+
+def _as_size(_: click.Context, __: click.Parameter, value: str | None) -> tuple[int, int] | None:
+    if value is None:
+        return None
+    match = re.fullmatch(r"([0-9]{1,7})[x×]([0-9]{1,7})", value, re.ASCII)
+    rows, columns = (int(match[1]), int(match[2])) if match else (0, 0)
+    if not (1 <= rows <= _MOST_PIXELS_A_SIDE and 1 <= columns <= _MOST_PIXELS_A_SIDE):
+        raise click.BadParameter(f"expected rows x columns like 480x640, found {value!r}")
+    return rows, columns
+
+
+def _as_number(_: click.Context, __: click.Parameter, value: str | None) -> int | None:
+    return None if value is None else int(value)

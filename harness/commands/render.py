@@ -1,66 +1,114 @@
-"""`crosstrace render`: one image."""
+"""`crosstrace render`: one image of one scene by one renderer."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from crosstrace.harness import console
 from crosstrace.harness.commands import options
-from crosstrace.translators.errors import UsageError
+
+if TYPE_CHECKING:
+    from crosstrace.harness.display import DisplayRule
+    from crosstrace.translators.renderer import Rendering
+    from crosstrace.translators.scene import Scene
 
 
-@click.command()
+@click.command("render")
 @click.argument("scene")
-@click.option("--with", "lane", default="native", show_default=True, help="The renderer.")
-@click.option(
-    "-o", "--output", required=True, type=click.Path(path_type=Path), metavar="FILE",
-    help=".npy, .npz (float64), .exr, .pfm (float32), .png or .ppm (8-bit).",
-)  # fmt: skip
-@click.option("--aov", is_flag=True, help="Side outputs too (.npz): object, t, normal, tree, rays.")
-@click.option("--certify", is_flag=True, help="Rigorous enclosures (.npz): lo, hi, undecidable.")
-@options.readings
-@options.precision
+@click.option("--with", "lane", default="native", show_default=True, metavar="RENDERER",
+              help="native, mitsuba, mitsuba-f64 or povray.")  # fmt: skip
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True,
+              help=".npy, .npz (float64), .exr, .pfm (float32), .png or .ppm (8-bit).")  # fmt: skip
+@options.settings
+@click.option("--precision", default="f64", show_default=True, help="Arithmetic of native.")
+@click.option("--aov", is_flag=True, help="Add native's side outputs to an .npz: object, t, "
+              "normal, tree, rays, contributions.")  # fmt: skip
+@options.scene_options
 @options.threads
 @options.timeout
-@options.scene_options
-@options.json_output
+@options.as_json
 @options.quiet
 def command(
-    scene: str, lane: str, output: Path, aov: bool, certify: bool, settings: tuple[str, ...],
-    precision: str, threads: int, timeout: float, delivery: int | None, size: str | None,
-    as_json: bool, quiet: bool,
-) -> None:  # fmt: skip
-    """Render SCENE with one renderer and write the image."""
-    resolution = options.resolution(size)
-    from crosstrace.harness import console, images, one_image, record
-    from crosstrace.harness.display import DisplayRule
-    from crosstrace.harness.sources import find_one
-    from crosstrace.translators import readings
+    scene: str,
+    lane: str,
+    output: Path,
+    settings: tuple[str, ...],
+    precision: str,
+    aov: bool,
+    size: tuple[int, int] | None,
+    delivery: int | None,
+    threads: int,
+    timeout: float | None,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Render SCENE to an image file.
+
+    The readings of --set other than `overflow` and `quantise`, which shape the 8-bit image, are
+    native's.
+    """
+    from crosstrace.harness import alone, images
     from crosstrace.translators.renderer import RenderOptions
 
-    suffix = images.suffix_of(output)
-    if (aov or certify) and suffix != ".npz":
-        raise UsageError(f"{output}: --aov and --certify expect a file name ending in .npz")
-    if (aov or certify) and lane != "native":
-        raise UsageError(f"--aov and --certify expect the renderer native, found {lane}")
-    rule, others = DisplayRule.split(readings.split(settings))
-    readings.check(others)
-    source = find_one(scene, delivery=delivery, size=resolution)
-    chosen = RenderOptions(
-        threads=threads, readings=others, precision=precision, timeout_s=timeout, layers=aov
-    )
-    with console.progress(quiet or as_json) as observe:
-        made = one_image.render(lane, source.scene, chosen, observe=observe)
-        layers: dict[str, Any] = made.layers
-        if certify:
-            layers = layers | one_image.certify(source.scene, others)
-    metadata = {
-        "scene": source.name, "scene_sha256": source.scene.sha256, "renderer": lane,
-        "settings": record.dumps(made.settings).strip(),
-    }  # fmt: skip
-    images.write(output, made.image, metadata=metadata, layers=layers or None, rule=rule)
+    lane = options.one_lane(lane)
+    rule, readings = options.split_settings(settings)
+    _check(lane, output, rule, precision, aov)
+    source = options.one_scene(scene, delivery, size)
+    how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov)
+    with console.progress(quiet, f"{source.name} by {lane}", counted=False) as bar:
+        made, peak_mib = alone.render(lane, source.scene, how, progress=bar.fraction)
+    described = _describe(lane, source.scene, made)
+    layers = made.layers if aov else None
+    images.write(output, made.image, metadata=_texts(described), layers=layers, rule=rule)
     if as_json:
-        seconds = vars(made.seconds)
-        click.echo(record.dumps({"file": str(output), "seconds": seconds, **made.settings}), nl=False)
+        console.json_result({**described, "file": str(output), "peak_mib": peak_mib})
+        return
+    seconds = made.seconds
+    total = seconds.startup + seconds.translate + seconds.render
+    rows, columns, _ = made.image.shape
+    console.note(f"{output}: {rows}x{columns}, {lane}, {total:.2f} s, {peak_mib:.0f} MiB", quiet)
+
+
+def _check(lane: str, output: Path, rule: DisplayRule, precision: str, aov: bool) -> None:
+    """Refuse before rendering what the options cannot have together."""
+    from crosstrace.harness.display import DisplayRule
+    from crosstrace.harness.images import suffix_of
+    from crosstrace.harness.lanes import LANES
+    from crosstrace.translators.errors import UsageError
+
+    suffix = suffix_of(output)
+    options.check_target(output)
+    if aov and suffix != ".npz":
+        raise UsageError(f"--aov: expected a file name ending in .npz, found {output}")
+    if rule != DisplayRule() and suffix not in (".png", ".ppm"):
+        raise UsageError(f"overflow and quantise shape 8-bit images only, found {output}")
+    if lane != LANES[0] and (aov or precision != "f64"):
+        option = "--aov" if aov else f"--precision {precision}"
+        raise UsageError(f"{option}: expected the renderer {LANES[0]}, found {lane}")
+
+
+def _describe(lane: str, scene: Scene, made: Rendering) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    import crosstrace
+
+    return {
+        "scene": scene.name,
+        "scene_sha256": scene.sha256,
+        "renderer": lane,
+        "crosstrace": crosstrace.__version__,
+        "settings": made.settings,
+        "half_step": made.half_step,
+        "seconds": asdict(made.seconds),
+        "messages": made.messages,
+    }
+
+
+def _texts(described: dict[str, Any]) -> dict[str, str]:
+    """Return the metadata of an image file: what makes the image, not how long it took."""
+    kept = {k: v for k, v in described.items() if k not in ("seconds", "messages", "half_step")}
+    return {k: v if isinstance(v, str) else json.dumps(v) for k, v in kept.items()}

@@ -1,43 +1,77 @@
-"""`crosstrace translate`: a scene in another renderer's language."""
+"""`crosstrace translate`: a scene in another renderer's own language."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from crosstrace.harness import console
 from crosstrace.harness.commands import options
-from crosstrace.translators.errors import UsageError
+
+if TYPE_CHECKING:
+    from crosstrace.translators.renderer import Translation
+    from crosstrace.translators.scene import Scene
 
 
-@click.command()
+@click.command("translate")
 @click.argument("scene")
-@click.option("--to", "lane", required=True, type=click.Choice(["mitsuba", "mitsuba-f64", "povray"]))
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE")
+@click.option("--to", "lane", required=True, metavar="RENDERER",
+              help="mitsuba, mitsuba-f64, povray, or native for the course's format.")  # fmt: skip
+@click.option("-o", "--output", type=click.Path(path_type=Path),
+              help="A file instead of the standard output.")  # fmt: skip
 @options.scene_options
+@options.quiet
 def command(
-    scene: str, lane: str, output: Path | None, delivery: int | None, size: str | None
+    scene: str,
+    lane: str,
+    output: Path | None,
+    size: tuple[int, int] | None,
+    delivery: int | None,
+    quiet: bool,
 ) -> None:
-    """Write SCENE for another renderer, to FILE or to standard output."""
-    resolution = options.resolution(size)
-    from crosstrace.harness import images, one_image
-    from crosstrace.harness.sources import find_one
+    """Write SCENE in a renderer's own language, and say how to render that."""
+    from crosstrace.harness.lanes import loaded
+    from crosstrace.translators.renderer import RenderOptions
 
-    source = find_one(scene, delivery=delivery, size=resolution)
-    made = one_image.translate(lane, source.scene)
-    names = list(made.files)
+    lane = options.one_lane(lane)
+    if output is not None:
+        options.check_target(output)
+    found = options.one_scene(scene, delivery, size).scene
+    if output is not None:
+        # What the text says about its own file is then true.
+        found = replace(found, name=output.stem)
+    translation = loaded(lane).translate(found, RenderOptions())
     if output is None:
-        if len(names) > 1:
-            raise UsageError(f"{lane} needs {len(names)} files: expected -o FILE")
-        click.echo(made.files[names[0]], nl=False)
-        return
-    # The main file takes the name asked for; others stand beside it under their own.
-    targets = [output, *(output.with_name(Path(name).name) for name in names[1:])]
-    for target, name in zip(reversed(targets), reversed(names), strict=True):
-        text = made.files[name]
-        images.write_atomically(target, lambda path, text=text: _fill(path, text))
-    click.echo(made.command.replace(names[0], str(output)), err=True)
+        _print(translation)
+    else:
+        _write(translation, output, found)
+    main = next(iter(translation.files))
+    line = translation.command.replace(main, output.name) if output else translation.command
+    console.note(f"render it with: {line}", quiet)
 
 
-def _fill(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
+def _print(translation: Translation) -> None:
+    from crosstrace.translators.errors import UsageError
+
+    if len(translation.files) > 1:
+        names = ", ".join(translation.files)
+        raise UsageError(f"expected a file name (-o) for a translation of several files: {names}")
+    for text in translation.files.values():
+        console.result(text.removesuffix("\n"))
+
+
+def _write(translation: Translation, output: Path, scene: Scene) -> None:
+    """Write the main file as `output` and any others beside it, under their own names."""
+    from crosstrace.harness.images import write_atomically
+
+    for i, (name, text) in enumerate(translation.files.items()):
+        target = output if i == 0 else output.with_name(name)
+        data = text.encode()
+        write_atomically(target, lambda temporary, data=data: _save(temporary, data))
+
+
+def _save(path: Path, data: bytes) -> None:
+    path.write_bytes(data)

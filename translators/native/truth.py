@@ -139,7 +139,7 @@ def certify(
         # Alternatives take 768 bytes a pixel, so only the few that need them are done again.
         left = np.flatnonzero(arrays["pixel_class"]).astype(np.int64)
         again = left if wanted is None else wanted.ravel()[left]
-        some = {
+        some: dict[str, NDArray[Any]] = {
             "n_alternatives": np.empty(len(again), np.uint8),
             "alternatives": np.empty((len(again), MAX_ALTERNATIVES, 2, 3)),
         }

@@ -5,20 +5,34 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
+from crosstrace.translators.scene import Scene
+
+
+def _beside(name: str) -> ModuleType:
+    sys.path.insert(0, str(Path(__file__).parent))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.pop(0)
+
 
 @pytest.fixture(scope="session")
 def oracle() -> ModuleType:
     """Import the slow numpy tracer that stands beside this file; it is no part of the package."""
-    sys.path.insert(0, str(Path(__file__).parent))
-    try:
-        return importlib.import_module("oracle")
-    finally:
-        sys.path.pop(0)
+    return _beside("oracle")
+
+
+@pytest.fixture(scope="session")
+def random_scene() -> Callable[..., Scene]:
+    """Return the generator of small random scenes."""
+    make: Callable[..., Scene] = _beside("random_scenes").random_scene
+    return make
 
 
 @pytest.fixture(scope="session")

@@ -73,9 +73,11 @@ class _Tracer:
         world = self.world
         if world.readings.offset == "mitsuba":
             skipped = NEAR_CLIP / -dot(d, world.w)
-            color, index, t, margin = self.trace(world.eye + skipped[:, None] * d, d)
+            start = world.eye + skipped[:, None] * d
+            color, index, t, margin = self.trace(start, d, 0, world.around_eye())
             return color, index, t + skipped, margin
-        return self.trace(np.broadcast_to(world.eye, d.shape), d, skip=world.on_surface)
+        start = np.broadcast_to(world.eye, d.shape)
+        return self.trace(start, d, 0, world.around_eye(), skip=world.on_surface)
 
     def trace(
         self, o: Floats, d: Floats, depth: int = 0, inside_of: tuple[int, ...] = (), *,
@@ -84,7 +86,7 @@ class _Tracer:
         """Return (colour, index, t, margin) of the rays o + t·d at this depth."""
         world = self.world
         self.rays += len(d)
-        index, t, margin = nearest(world.things, o, d, skip)
+        index, t, margin = nearest(world.things, o, d, world.far, skip)
         missed = np.zeros(3) if depth and world.readings.miss == "black" else world.background
         color = np.broadcast_to(missed, d.shape).astype(world.kind)
         hit = index >= 0
@@ -164,13 +166,15 @@ class _Tracer:
     def ratio(self, hits: Hits, inner: Floats) -> Floats:
         """Index of the side that the ray goes to over that of the side it comes from."""
         world, i = self.world, hits.i
-        n = 1 / world.n[i] if world.readings.refraction == "inverted" else world.n[i]
         if world.readings.nesting == "tracked":
-            now = world.n[hits.inside_of[-1]] if hits.inside_of else world.kind(1)
+            found = np.empty(len(i), world.kind)
             for k in np.unique(i):
-                last = [x for x in hits.inside_of if x != k][-1:]
-                around = world.n[last[0]] if last else world.kind(1)
-                n = np.where(i == k, n / np.where(inner, around, now), n)
+                for leaving in (False, True):
+                    after = crossed(hits.inside_of, int(k), leaving)
+                    index = [world.n[x[-1]] if x else 1 for x in (after, hits.inside_of)]
+                    found[(i == k) & (inner == leaving)] = index[0] / index[1]
+            return found
+        n = 1 / world.n[i] if world.readings.refraction == "inverted" else world.n[i]
         return n if world.readings.refraction == "one-way" else np.where(inner, 1 / n, n)
 
     def groups(
@@ -181,9 +185,16 @@ class _Tracer:
             return [(sent, hits.inside_of)] if sent.any() else []
         found = []
         for k in np.unique(hits.i[sent]):
-            left = tuple(x for x in hits.inside_of if x != k)
             for leaving in (False, True):
                 group = sent & (hits.i == k) & (inner == leaving)
                 if group.any():
-                    found.append((group, left if leaving else (*hits.inside_of, int(k))))
+                    found.append((group, crossed(hits.inside_of, int(k), leaving)))
         return found
+
+
+def crossed(inside_of: tuple[int, ...], k: int, leaving: bool) -> tuple[int, ...]:
+    """Return the things that a ray is in after it enters k, or leaves it where it last entered."""
+    if not leaving:
+        return (*inside_of, k)
+    at = max((j for j, x in enumerate(inside_of) if x == k), default=len(inside_of))
+    return inside_of[:at] + inside_of[at + 1 :]

@@ -62,5 +62,7 @@ def in_shadow(world: World, hits: Hits, light: Floats, wanted: Floats) -> tuple[
         limit = np.full_like(limit, np.inf)
     clear = world.readings.glass_shadow == "clear"
     things = [thing for thing in world.things if not (clear and thing.kt > 0)]
-    shadow[wanted], margin[wanted] = blocked(things, start, d, limit)
+    if world.far < np.inf:
+        limit = np.minimum(limit, np.nextafter(world.kind(world.far), np.inf))
+    shadow[wanted], margin[wanted] = blocked(things, start, d, world.readings.shadow_min, limit)
     return shadow, margin

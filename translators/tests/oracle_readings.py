@@ -14,14 +14,17 @@ Where the table of readings leaves room, the oracle takes the plainest meaning:
 - `depth=minus-one` never goes below 0.
 - `exhausted=background`: the rays that would have been sent each return B, total reflection's too.
 - `nesting=tracked`: every n is the absolute index of its object's inside, the world's is 1. A ray
-  carries the list of objects that it entered, empty at the eye. Entering i it goes from the last
-  entered object's index to nᵢ; leaving i, from nᵢ to the index of the last one that is not i.
+  carries the list of objects that it entered and has not left, and is in the last one; at the eye,
+  the list is of the transparent objects that contain it, half-spaces first, then spheres from large
+  to small. Crossing goes from the index of the last in the list before to that of the last after.
 - `tir=…` with Δ < 0: kt acts as 0, and kr as itself (`ignore`), kr + kt (`add`), kr + 1
   (`plus-one`), 1 where kr > 0 and else 0 (`needs-kr`); `always`:
   the default rule, where kt = 0 too.
 - `inner_reflection=off`: where kt > 0 the inner side sends no reflected ray but the total one.
 - `recursion=clamp` and `scale` act on what every ray returns, the primary ray too.
 - `mix=convex`: with the kr and kt that act, thus after total reflection, at the last depth too.
+- `shadow_min` and `far` (world units, 0: none): blockers at or below the one, and any hit beyond
+  the other, do not exist.
 - `offset=bound` is an implementation's own and is not offered.
 """
 
@@ -78,10 +81,13 @@ class Readings:
     recursion: str = "none"
     overflow: str = "scale"
     quantise: str = "truncate"
+    shadow_min: float = 0.0
+    far: float = 0.0
 
     def __post_init__(self) -> None:
-        """Take ε as text too, and refuse a value that is not in the table."""
-        object.__setattr__(self, "epsilon", float(self.epsilon))
-        for name in (item.name for item in fields(self) if item.name != "epsilon"):
-            if getattr(self, name) not in CHOICES[name]:
+        """Take numbers as text too, and refuse a value that is not in the table."""
+        for name in (item.name for item in fields(self)):
+            if name not in CHOICES:
+                object.__setattr__(self, name, float(getattr(self, name)))
+            elif getattr(self, name) not in CHOICES[name]:
                 raise ValueError(f"{name}={getattr(self, name)}: expected one of {CHOICES[name]}")

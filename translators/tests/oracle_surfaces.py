@@ -1,9 +1,10 @@
 """Where the oracle's rays meet spheres and planes, and how narrowly each decision was made.
 
 Arrays of vectors are (m, 3), of distances (m,). A **margin** is a dimensionless number: how far the
-quantity that decided (a discriminant over r², a distance or a difference of distances over the size
-of the coordinates, the cosine to a plane) was from deciding otherwise. 0: exactly on an edge; ∞:
-nothing near.
+quantity that decided was from deciding otherwise: a discriminant over r², the cosine to a plane, a
+distance or a difference of distances over a thousandth of the size of the coordinates (rounding
+errs by far less there than under a square root, and ε itself is no narrow decision). 0: exactly on
+an edge; ∞: nothing near.
 """
 
 from __future__ import annotations
@@ -87,11 +88,11 @@ def roots(thing: Thing, o: Floats, d: Floats, on_surface: bool = False) -> tuple
 
 
 def _scale(o: Floats, t: Floats) -> Floats:
-    return 1 + np.abs(o).max(axis=-1) + np.where(np.isfinite(t), np.abs(t), 0)
+    return 1e-3 * (1 + np.abs(o).max(axis=-1) + np.where(np.isfinite(t), np.abs(t), 0))
 
 
 def nearest(
-    things: list[Thing], o: Floats, d: Floats, on_surface: list[bool] | None = None
+    things: list[Thing], o: Floats, d: Floats, far: float, on_surface: list[bool] | None = None
 ) -> tuple[Floats, Floats, Floats]:
     """Return (index of the thing hit or −1, t, margin); of equal t the first in the file."""
     o = np.broadcast_to(o, d.shape)
@@ -99,20 +100,22 @@ def nearest(
     index = np.full(len(d), -1)
     found = []
     for i, thing in enumerate(things):
-        near, far, surely, reach = roots(thing, o, d, on_surface is not None and on_surface[i])
-        t = np.where(near > 0, near, np.where(far > 0, far, np.inf))
+        first, last, surely, reach = roots(thing, o, d, on_surface is not None and on_surface[i])
+        t = np.where(first > 0, first, np.where(last > 0, last, np.inf))
+        t = np.where(t > far, np.inf, t)
         index = np.where(t < best, i, index)
         best = np.minimum(t, best)
-        zero = np.fmin(np.abs(near), np.abs(far)) / _scale(o, np.zeros_like(t))
+        gaps = [np.abs(first), np.abs(last), np.abs(first - far), np.abs(last - far)]
+        zero = np.fmin.reduce(gaps) / _scale(o, np.zeros_like(t))
         margin = np.fmin(np.where(np.isnan(zero), np.inf, zero), surely)
         # A miss matters where the line comes closest ahead, a hit where it is, a root at 0 always.
         ahead = np.where(np.isfinite(t), t, np.where(reach > 0, reach, np.inf))
-        found.append((t, margin, np.where(zero < 1e-6, 0, ahead)))
+        found.append((t, margin, np.where(zero < 1e-4, 0, ahead)))
     margin = np.full(len(d), np.inf, d.dtype)
     for i, (t, surely, ahead) in enumerate(found):
         relevant = (ahead <= best) & np.isfinite(ahead)
         margin = np.where(relevant, np.minimum(margin, surely), margin)
-        # Another thing as near as the nearest is an edge, but not a twin of it: that tie is decided.
+        # Another thing as near as the nearest is an edge, but its twin is not: first in the file.
         twins = [j for j, thing in enumerate(things) if thing.shape == things[i].shape]
         rival = np.isfinite(t) & ~np.isin(index, twins)
         gap = np.where(rival, t, 0) - np.where(rival, best, 0)
@@ -120,8 +123,10 @@ def nearest(
     return index, best, margin
 
 
-def blocked(things: list[Thing], o: Floats, d: Floats, limit: Floats) -> tuple[Floats, Floats]:
-    """Return (whether anything lies at 0 < t < limit, margin) for each shadow ray.
+def blocked(
+    things: list[Thing], o: Floats, d: Floats, least: float, limit: Floats
+) -> tuple[Floats, Floats]:
+    """Return (whether anything lies at least < t < limit, margin) for each shadow ray.
 
     One sure blocker settles it, so the margin of a shadow is its surest blocker's.
     """
@@ -130,9 +135,14 @@ def blocked(things: list[Thing], o: Floats, d: Floats, limit: Floats) -> tuple[F
     shadow_margin = np.zeros(len(d), d.dtype)
     for thing in things:
         near, far, surely, reach = roots(thing, o, d)
-        hit = ((near > 0) & (near < limit)) | ((far > 0) & (far < limit))
+        hit = ((near > least) & (near < limit)) | ((far > least) & (far < limit))
         scale = _scale(o, limit)
-        gaps = [np.abs(near), np.abs(far), np.abs(near - limit), np.abs(far - limit)]
+        gaps = [
+            np.abs(near - least),
+            np.abs(far - least),
+            np.abs(near - limit),
+            np.abs(far - limit),
+        ]
         margin = np.where(np.isnan(far), np.inf, np.fmin.reduce(gaps) / scale)
         near_miss = (reach > 0) & (reach < limit * (1 + 1e-6))
         margin = np.where(hit | near_miss, np.fmin(margin, surely), margin)

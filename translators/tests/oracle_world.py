@@ -45,13 +45,29 @@ class World:
             np.array([getattr(x, name) for x in self.things], kind)
             for name in ("ka", "kd", "ks", "eta", "kr", "kt", "n")
         )
+        # Without refraction n means nothing and may be 0: any positive number serves.
+        self.n = np.where(self.n > 0, self.n, 1)
         self.on_surface = [lies_on(numbers.eye, thing) for thing in self.things]
         change = {"as-given": 0, "minus-one": -1, "plus-one": 1}[readings.depth]
         self.max_depth = max(0, numbers.max_depth + change) if numbers.delivery == 3 else 0
+        self.far = readings.far or np.inf
         self.step = kind(readings.epsilon * (2 if readings.epsilon_twice == "yes" else 1))
         self.w = unit(self.eye - np.array(numbers.target, kind))
         self.u = unit(np.cross(np.array(numbers.up, kind), self.w))
         self.v = np.cross(self.w, self.u)
+
+    def around_eye(self) -> tuple[int, ...]:
+        """Return the transparent things around the eye, outermost first, if nesting is tracked."""
+        if self.readings.nesting == "relative":
+            return ()
+        found = []
+        for k, thing in enumerate(self.things):
+            away = self.eye - np.array(thing.where, self.kind)
+            normal = np.array(thing.normal, self.kind)
+            inner = dot(away, away) - thing.radius**2 if thing.sphere else dot(away, normal)
+            if thing.kt > 0 and inner < 0:
+                found.append(k)
+        return tuple(sorted(found, key=lambda k: -(self.things[k].radius or np.inf)))
 
     def directions(self) -> Floats:
         """Unit vectors from E through the pixel centres, (v_res, h_res, 3), as 2.3 has them."""
