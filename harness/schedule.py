@@ -11,6 +11,7 @@ import queue
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -91,7 +92,7 @@ class Session:
         """Do it all and return the record; it has no times of the whole run yet."""
         for lane in self._lanes:
             task = Task(tasks.probe, affinity=lane, timeout_s=_PROBE_TIMEOUT_S, label=lane)
-            self._submit(task, (lane,), lambda future, lane=lane: self._on_probe(lane, future))
+            self._submit(task, (lane,), partial(self._on_probe, lane))
         while self._open:
             self._inbox.get()()
         scenes = [self._scene(i) for i in range(len(self._sources))]

@@ -19,18 +19,9 @@ LANES = tuple(_LANES)
 
 
 def renderer(lane: str) -> Renderer:
-    """Return the renderer of a lane; raises UsageError for an unknown name.
-
-    A name ``module:factory`` is a renderer that stands outside this package.
-    """
-    module, colon, factory = _LANES.get(lane, lane).partition(":")
-    try:
-        if not colon:
-            raise ImportError
-        made: Renderer = getattr(import_module(module), factory)()
-    except (ImportError, AttributeError) as error:
-        if lane in _LANES:
-            raise
-        names = f"{', '.join(LANES)} or module:factory"
-        raise UsageError(f"expected a renderer out of {names}, found {lane!r}") from error
+    """Return the renderer of a lane; raises UsageError for an unknown name."""
+    if lane not in _LANES:
+        raise UsageError(f"expected a renderer out of {', '.join(LANES)}, found {lane!r}")
+    module, _, factory = _LANES[lane].partition(":")
+    made: Renderer = getattr(import_module(module), factory)()
     return made
