@@ -49,7 +49,8 @@ def display_color(image: NDArray[np.floating[Any]], overflow: str = "scale") -> 
     linear = np.asarray(image, np.float64)
     if overflow == "clamp":
         return np.minimum(linear, 1.0)
-    largest = np.maximum(np.maximum(linear[..., 0], linear[..., 1]), linear[..., 2])
+    # fmax passes over NaN, so that an undefined component does not take the others with it.
+    largest = np.fmax(np.fmax(linear[..., 0], linear[..., 1]), linear[..., 2])
     if not (largest > 1.0).any():
         return linear.copy()
     with np.errstate(invalid="ignore"):
