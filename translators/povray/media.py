@@ -26,8 +26,8 @@ from crosstrace.translators.povray.camera import CameraSide
 from crosstrace.translators.povray.plan import Plan
 from crosstrace.translators.scene import KT, N
 
-#: Pairs are examined in blocks of about this many, to bound the memory.
-_BLOCK = 1 << 21
+#: So many surfaces are compared at once with those that they may meet.
+_BLOCK = 128
 
 #: POV-Ray keeps an index as a float; outside this range its products and quotients overflow.
 _INDEX_RANGE = (1e-18, 1e18)
@@ -86,16 +86,23 @@ def _around(
 
     Positions are within `rows`.
     """
-    parents: list[NDArray[np.intp]] = []
+    parents = [np.zeros(0, np.intp)] * len(rows)
     crosses = np.zeros(len(rows), bool)
-    step = max(1, _BLOCK // len(rows))
-    for start in range(0, len(rows), step):
-        block = np.arange(start, min(start + step, len(rows)))
-        inside, outside = _placed(plan, rows[block], rows)
-        itself = block[:, None] == np.arange(len(rows))
+    # Sweep along x: surfaces whose extents are apart are outside of each other, which is no news
+    # except where the camera's side is the inner one.
+    radius = np.where(plan.sphere[rows], plan.geometry[rows, 3], np.inf)
+    low, high = plan.geometry[rows, 0] - radius, plan.geometry[rows, 0] + radius
+    order = np.argsort(low, kind="stable")
+    for start in range(0, len(rows), _BLOCK):
+        block = order[start : start + _BLOCK]
+        near = (low <= high[block].max()) & (high >= low[block].min())
+        others = np.flatnonzero(near | camera_inside)
+        inside, outside = _placed(plan, rows[block], rows[others])
+        itself = block[:, None] == others
         crosses[block] = (~inside & ~outside & ~itself).any(axis=1)
-        far = np.where(camera_inside, outside, inside) & ~itself
-        parents.extend(np.flatnonzero(row) for row in far)
+        far = np.where(camera_inside[others], outside, inside) & ~itself
+        for i, row in zip(block, far, strict=True):
+            parents[i] = others[row]
     return parents, crosses
 
 

@@ -141,6 +141,20 @@ def test_a_plane_of_glass_is_a_half_space(make_scene: Make) -> None:
     assert analyse(dipped).media.crossing.tolist() == [0, 1]
 
 
+def test_nesting_is_found_among_many_surfaces(make_scene: Make) -> None:
+    """However many spheres stand along x, each bubble gets the index of its own shell."""
+    shells = [ball([3.0 * i, 0, 0], 1.0, kt=0.5, n=1.5) for i in range(300)]
+    bubbles = [ball([3.0 * i, 0, 0], 0.5, kt=0.5, n=2.0) for i in reversed(range(300))]
+    scene = make_scene(objects=[*shells, *bubbles], eye=[0, -9, 0])
+    assert indices(scene) == [1.5] * 300 + [3.0] * 300
+    # From inside one shell all other surfaces stand behind its far side.
+    scene = make_scene(objects=[*shells, *bubbles], eye=[30, -0.75, 0], target=[30, 9, 0])
+    seen = np.array(indices(scene))
+    assert seen[10] == pytest.approx(1 / 1.5, abs=1e-5)
+    assert seen[300 + 289] == 2.0
+    assert np.delete(seen, [10, 589]) == pytest.approx([1.0] * 299 + [2.0] * 299, abs=1e-5)
+
+
 def test_n_of_1_is_one_float32_step_off(make_scene: Make) -> None:
     """POV-Ray would not count a surface that bends nothing as a bounce."""
     scene = make_scene(objects=[ball([0, 0, 0], kt=0.5, n=1.0)])
