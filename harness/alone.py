@@ -7,12 +7,20 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Mapping
 from typing import Any
+
+from numpy.typing import NDArray
 
 from crosstrace.harness import tasks
 from crosstrace.harness.jobs import Task, WorkerPool, available_cores
 from crosstrace.translators.renderer import Probe, Progress, Rendering, RenderOptions, Translation
 from crosstrace.translators.scene import Scene
+
+Layers = dict[str, NDArray[Any]]
+
+#: An image that takes longer is given up, unless another limit is stated.
+TIMEOUT_S = 300.0
 
 #: A lane that has not said within this time whether it works does not.
 PROBE_TIMEOUT_S = 120.0
@@ -52,6 +60,13 @@ def translate(lane: str, scene: Scene, options: RenderOptions | None = None) -> 
     task = Task(tasks.translate, lane, timeout_s=PROBE_TIMEOUT_S, label=lane)
     made: Translation = _call(task, lane, scene, options or RenderOptions())
     return made
+
+
+def certify(scene: Scene, readings: Mapping[str, str], timeout_s: float | None) -> Layers:
+    """Enclose every pixel: `lo`, `hi` (v_res, h_res, 3) and `undecidable` (v_res, h_res)."""
+    task = Task(tasks.certify, "native", timeout_s=timeout_s, label="certifying")
+    known: Layers = _call(task, scene, dict(readings))
+    return known
 
 
 def _call(task: Task, *args: Any) -> Any:

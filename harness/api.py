@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from crosstrace.harness import alone, sources
 from crosstrace.harness.lanes import chosen
-from crosstrace.translators.renderer import Rendering, RenderOptions
+from crosstrace.translators.renderer import Probe, Rendering, RenderOptions, Translation
 from crosstrace.translators.scene import Scene
 
 
@@ -46,7 +46,7 @@ def render_full(
     precision: str = "f64",
     effects: Iterable[str] | None = None,
     layers: bool = False,
-    timeout_s: float | None = None,
+    timeout_s: float | None = alone.TIMEOUT_S,
     progress: Callable[[float], None] | None = None,
 ) -> Rendering:
     """Render in a worker process and return the image with its times, settings and side outputs.
@@ -61,3 +61,18 @@ def render_full(
     wanted = None if effects is None else frozenset(effects)
     options = RenderOptions(threads, dict(readings or {}), precision, wanted, timeout_s, layers)
     return alone.render(name, scene, options, progress=progress)[0]
+
+
+def translate(scene: Scene, lane: str) -> Translation:
+    """Write a scene in a renderer's own language: its files, and the line that renders them.
+
+    Raises UsageError for a wrong name, UnsupportedSceneError where the scene cannot be expressed.
+    """
+    (name,) = chosen([lane])
+    return alone.translate(name, scene)
+
+
+def probe(lane: str) -> Probe:
+    """Say whether a renderer works here; raises RendererError where it dies of being asked."""
+    (name,) = chosen([lane])
+    return alone.probe(name)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TextIO
@@ -20,39 +21,41 @@ if TYPE_CHECKING:
 
 WIDTH = 80
 
+#: Elsewhere than on a terminal, a line of progress no more often than this.
+LINE_EVERY_S = 2.0
+
 #: A word of a table → its colour.
 STYLES = {"ok": "green", "missing": "red", "failed": "red", "unsupported": "yellow"}
 
 
 class Bar:
-    """A progress that counts steps: `advance` after each, `fraction` within a single one."""
+    """Progress that is told in steps; on a terminal a bar, elsewhere lines, quiet: nothing."""
 
     def __init__(self, quiet: bool, rich_bar: RichProgress | None, task: TaskID | None) -> None:
         """Take the bar of a terminal; None elsewhere."""
         self._quiet, self._rich, self._task = quiet, rich_bar, task
+        self._last_line_s = time.monotonic()
 
-    def advance(self, done: int, total: int, text: str, failed: bool = False) -> None:
-        """Show that `done` of `total` steps are done and what the last one was."""
+    def update(self, done: float, total: float, text: str = "", failed: bool = False) -> None:
+        """Show how far the work is and what was last done; a failure always gets a line."""
         if self._rich is not None and self._task is not None:
-            self._rich.update(self._task, completed=done, total=total, description=_cut(text))
+            description = {"description": _cut(text)} if text else {}
+            self._rich.update(self._task, completed=done, total=total, **description)
             if failed:
                 self._rich.console.print(text, style="red", markup=False, highlight=False)
-        elif not self._quiet:
-            width = len(str(total))
-            _write(sys.stderr, f"[{done:{width}}/{total}] {text}")
-
-    def fraction(self, value: float) -> None:
-        """Show how much of a single step is done, 0…1; terminals only."""
-        if self._rich is not None and self._task is not None:
-            self._rich.update(self._task, completed=value)
+            return
+        now = time.monotonic()
+        is_due = failed or done >= total or now - self._last_line_s >= LINE_EVERY_S
+        if text and is_due and not self._quiet:
+            self._last_line_s = now
+            _write(sys.stderr, f"[{done:.0f}/{total:.0f}] {text}")
 
 
 @contextmanager
-def progress(quiet: bool, text: str, total: float = 1.0, counted: bool = True) -> Iterator[Bar]:
-    """Show progress while the block runs; `counted` for steps, otherwise a percentage."""
+def progress(quiet: bool, text: str, counted: bool = True) -> Iterator[Bar]:
+    """Show progress while the block runs: `counted` steps, otherwise a percentage."""
     if quiet or not is_terminal(sys.stderr):
-        if not quiet:
-            _write(sys.stderr, text)
+        note(text, quiet)
         yield Bar(quiet, None, None)
         return
     from rich.progress import (
@@ -68,7 +71,7 @@ def progress(quiet: bool, text: str, total: float = 1.0, counted: bool = True) -
     words = TextColumn("{task.description}", markup=False)
     columns = (BarColumn(20), count, TimeElapsedColumn(), words)
     with Progress(*columns, console=_console(sys.stderr), transient=True) as bar:
-        yield Bar(quiet, bar, bar.add_task(_cut(text), total=total))
+        yield Bar(quiet, bar, bar.add_task(_cut(text), total=None if counted else 1.0))
 
 
 def note(text: str, quiet: bool = False) -> None:

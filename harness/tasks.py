@@ -7,8 +7,11 @@ worker where the caller wants to be told.
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosstrace.harness.lanes import loaded
 from crosstrace.harness.memory import PeakMemory
@@ -31,6 +34,14 @@ def probe(lane: str) -> Probe:
 def translate(lane: str, scene: Scene, options: RenderOptions) -> Translation:
     """Have a lane write a scene in its own language."""
     return loaded(lane).translate(scene, options)
+
+
+def certify(scene: Scene, readings: Mapping[str, str]) -> dict[str, NDArray[Any]]:
+    """Enclose the true value of every pixel; see `crosstrace.translators.native.truth`."""
+    from crosstrace.translators.native.truth import certify as enclose
+
+    known = enclose(scene, readings)
+    return {"lo": known.lo, "hi": known.hi, "undecidable": known.undecidable}
 
 
 def render(

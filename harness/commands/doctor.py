@@ -43,14 +43,14 @@ def _probe(lanes: tuple[str, ...], quiet: bool) -> dict[str, Probe]:
     from crosstrace.translators.renderer import Probe
 
     found = {}
-    with console.progress(quiet, "looking for renderers", len(lanes)) as bar:
+    with console.progress(quiet, "looking for renderers") as bar:
         for done, lane in enumerate(lanes, 1):
             try:
                 found[lane] = alone.probe(lane)
             except RendererError as error:
                 found[lane] = Probe(False, reason=str(error))
             works = found[lane].available
-            bar.advance(done, len(lanes), f"{lane} {'ok' if works else 'missing'}", not works)
+            bar.update(done, len(lanes), f"{lane} {'ok' if works else 'missing'}", not works)
     return found
 
 

@@ -27,12 +27,15 @@ settings = click.option(
 renderers = click.option(
     "--renderers", metavar="A,B", help="Only these, out of native,mitsuba,mitsuba-f64,povray."
 )
+precision = click.option(
+    "--precision", default="f64", show_default=True, help="Arithmetic of native."
+)
 threads = click.option(
     "--threads", type=click.IntRange(0), default=0, help="Threads of the renderer; 0: all cores."
 )
 timeout = click.option(
-    "--timeout", type=click.FloatRange(0, min_open=True), metavar="SECONDS",
-    help="Give a renderer up after this time.",
+    "--timeout", type=click.FloatRange(0, min_open=True), metavar="SECONDS", default=300.0,
+    show_default=True, help="Give an image up after this time.",
 )  # fmt: skip
 jobs = click.option(
     "--jobs", type=click.IntRange(1), help="How much is worked on at once; default: one a core."
@@ -70,15 +73,12 @@ def one_lane(text: str) -> str:
 
 def split_settings(texts: Iterable[str]) -> tuple[DisplayRule, dict[str, str]]:
     """Read `--set` texts: the rule of the 8-bit image, and the readings of the specification."""
-    from crosstrace.harness.display import READINGS, DisplayRule
+    from crosstrace.harness.display import DisplayRule
     from crosstrace.translators import readings
 
-    parts = [text.partition("=") for text in texts]
-    display = {name.strip(): value.strip() for name, _, value in parts if name.strip() in READINGS}
-    rule, _ = DisplayRule.split(display)
-    return rule, readings.parse(
-        f"{name}{equals}{value}" for name, equals, value in parts if name.strip() not in READINGS
-    )
+    rule, others = DisplayRule.split(readings.split(texts))
+    readings.check(others)
+    return rule, others
 
 
 def check_target(path: Path) -> None:

@@ -24,9 +24,11 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True,
               help=".npy, .npz (float64), .exr, .pfm (float32), .png or .ppm (8-bit).")  # fmt: skip
 @options.settings
-@click.option("--precision", default="f64", show_default=True, help="Arithmetic of native.")
+@options.precision
 @click.option("--aov", is_flag=True, help="Add native's side outputs to an .npz: object, t, "
               "normal, tree, rays, contributions.")  # fmt: skip
+@click.option("--certify", is_flag=True,
+              help="Add rigorous enclosures to an .npz: lo, hi, undecidable.")  # fmt: skip
 @options.scene_options
 @options.threads
 @options.timeout
@@ -39,10 +41,11 @@ def command(
     settings: tuple[str, ...],
     precision: str,
     aov: bool,
+    certify: bool,
     size: tuple[int, int] | None,
     delivery: int | None,
     threads: int,
-    timeout: float | None,
+    timeout: float,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -56,14 +59,19 @@ def command(
 
     lane = options.one_lane(lane)
     rule, readings = options.split_settings(settings)
-    _check(lane, output, rule, precision, aov)
+    _check(lane, output, rule, {"--aov": aov, "--certify": certify,
+                                f"--precision {precision}": precision != "f64"})  # fmt: skip
     source = options.one_scene(scene, delivery, size)
     how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov)
     with console.progress(quiet, f"{source.name} by {lane}", counted=False) as bar:
-        made, peak_mib = alone.render(lane, source.scene, how, progress=bar.fraction)
+        made, peak_mib = alone.render(
+            lane, source.scene, how, progress=lambda share: bar.update(share, 1.0)
+        )
+        layers = made.layers if aov else {}
+        if certify:
+            layers |= alone.certify(source.scene, readings, timeout)
     described = _describe(lane, source.scene, made)
-    layers = made.layers if aov else None
-    images.write(output, made.image, metadata=_texts(described), layers=layers, rule=rule)
+    images.write(output, made.image, metadata=_texts(described), layers=layers or None, rule=rule)
     if as_json:
         console.json_result({**described, "file": str(output), "peak_mib": peak_mib})
         return
@@ -73,22 +81,22 @@ def command(
     console.note(f"{output}: {rows}x{columns}, {lane}, {total:.2f} s, {peak_mib:.0f} MiB", quiet)
 
 
-def _check(lane: str, output: Path, rule: DisplayRule, precision: str, aov: bool) -> None:
+def _check(lane: str, output: Path, rule: DisplayRule, asked: dict[str, bool]) -> None:
     """Refuse before rendering what the options cannot have together."""
     from crosstrace.harness.display import DisplayRule
     from crosstrace.harness.images import suffix_of
-    from crosstrace.harness.lanes import LANES
+    from crosstrace.harness.lanes import REFERENCE
     from crosstrace.translators.errors import UsageError
 
     suffix = suffix_of(output)
     options.check_target(output)
-    if aov and suffix != ".npz":
-        raise UsageError(f"--aov: expected a file name ending in .npz, found {output}")
     if rule != DisplayRule() and suffix not in (".png", ".ppm"):
         raise UsageError(f"overflow and quantise shape 8-bit images only, found {output}")
-    if lane != LANES[0] and (aov or precision != "f64"):
-        option = "--aov" if aov else f"--precision {precision}"
-        raise UsageError(f"{option}: expected the renderer {LANES[0]}, found {lane}")
+    for option in (name for name, wanted in asked.items() if wanted):
+        if lane != REFERENCE:
+            raise UsageError(f"{option}: expected the renderer {REFERENCE}, found {lane}")
+        if option in ("--aov", "--certify") and suffix != ".npz":
+            raise UsageError(f"{option}: expected a file name ending in .npz, found {output}")
 
 
 def _describe(lane: str, scene: Scene, made: Rendering) -> dict[str, Any]:

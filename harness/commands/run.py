@@ -3,52 +3,89 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from crosstrace.harness import console
 from crosstrace.harness.commands import options
 
+if TYPE_CHECKING:
+    from crosstrace.harness.schedule import Event
 
-@click.command()
+
+@click.command("run")
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option(
-    "-o", "--output", default="report", show_default=True, type=click.Path(path_type=Path),
-    metavar="DIR", help="Where the report goes.",
-)  # fmt: skip
+@click.option("-o", "--output", default="report", show_default=True, metavar="DIR",
+              type=click.Path(path_type=Path), help="Where the report goes.")  # fmt: skip
 @options.renderers
+@options.settings
+@options.precision
 @options.scene_options
+@options.threads
 @options.timeout
-@click.option(
-    "--jobs", type=click.IntRange(min=1), metavar="N", help="Images at a time; default: one a core."
-)
-@options.json_output
+@options.jobs
+@options.as_json
 @options.quiet
-@click.pass_context
 def command(
-    ctx: click.Context, scenes: tuple[str, ...], output: Path, renderers: str | None,
-    delivery: int | None, size: str | None, timeout: float, jobs: int | None, as_json: bool,
+    scenes: tuple[str, ...],
+    output: Path,
+    renderers: str | None,
+    settings: tuple[str, ...],
+    precision: str,
+    size: tuple[int, int] | None,
+    delivery: int | None,
+    threads: int,
+    timeout: float,
+    jobs: int | None,
+    as_json: bool,
     quiet: bool,
-) -> None:  # fmt: skip
-    """Render every SCENE with every renderer and compare every two images.
+) -> int:
+    """Render every SCENE with every renderer, compare every two images, and report.
 
-    Leaves DIR/report.html, DIR/report.json and the images. Without a SCENE: the packaged course
-    scenes. Ends with status 3 where a renderer is missing or failed; the rest is in the report.
+    Leaves DIR/report.html, DIR/report.json and the images. Without a SCENE it takes the packaged
+    course scenes, which are this project's own compositions under the course's names. The exit
+    status is 3 where a renderer is missing or failed: the rest is in the report.
     """
-    resolution = options.resolution(size)
     from crosstrace.harness.lanes import chosen
-
-    lanes = chosen(renderers)
-    from crosstrace.harness import console, record
     from crosstrace.harness.session import RunOptions, exit_status, run
     from crosstrace.harness.sources import find
+    from crosstrace.translators import readings
 
-    sources = find(scenes, delivery=delivery, size=resolution)
-    with console.progress(quiet or as_json) as observe:
-        chosen_options = RunOptions(lanes, jobs=jobs or 0, timeout_s=timeout)
-        report = run(sources, output, chosen_options, events=observe)
+    lanes = chosen(renderers)
+    how = RunOptions(lanes, jobs or 0, threads, timeout, readings.parse(settings), precision)
+    sources = find(scenes, delivery=delivery, size=size)
+    with console.progress(quiet, f"scenes: {len(sources)}, renderers: {', '.join(lanes)}") as bar:
+
+        def observe(event: Event) -> None:
+            if event.kind != "start":
+                part = event.fraction if event.kind == "progress" else 0.0
+                failed = event.kind == "failed"
+                bar.update(event.done + part, event.total, _sentence(event), failed)
+
+        report = run(sources, output, how, events=observe)
     if as_json:
-        click.echo(record.dumps(report), nl=False)
-    elif not quiet:
-        console.summary(report)
-        click.echo(f"\nReport: {output / 'report.html'}")
-    ctx.exit(exit_status(report))
+        console.json_result(report)
+    else:
+        _print(report, output, quiet)
+    return exit_status(report)
+
+
+def _sentence(event: Event) -> str:
+    text = " ".join(word for word in (event.what, event.scene, event.lane) if word)
+    return f"{text}: {event.message}" if event.message else text
+
+
+def _print(report: dict[str, Any], output: Path, quiet: bool) -> None:
+    from crosstrace.harness import summary
+
+    if not quiet:
+        header, rows, numbers = summary.by_scene(report)
+        console.table(header, rows, right=numbers)
+        console.result("")
+        header, rows, numbers = summary.by_lane(report)
+        console.table(header, rows, right=numbers)
+    for line in summary.failures(report):
+        console.result(line)
+    if not quiet:
+        console.result(f"\nreport: {output / 'report.html'}")

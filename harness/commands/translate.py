@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,6 @@ from crosstrace.harness.commands import options
 
 if TYPE_CHECKING:
     from crosstrace.translators.renderer import Translation
-    from crosstrace.translators.scene import Scene
 
 
 @click.command("translate")
@@ -33,8 +33,7 @@ def command(
     quiet: bool,
 ) -> None:
     """Write SCENE in a renderer's own language, and say how to render that."""
-    from crosstrace.harness.lanes import loaded
-    from crosstrace.translators.renderer import RenderOptions
+    from crosstrace.harness import alone
 
     lane = options.one_lane(lane)
     if output is not None:
@@ -43,11 +42,11 @@ def command(
     if output is not None:
         # What the text says about its own file is then true.
         found = replace(found, name=output.stem)
-    translation = loaded(lane).translate(found, RenderOptions())
+    translation = alone.translate(lane, found)
     if output is None:
         _print(translation)
     else:
-        _write(translation, output, found)
+        _write(translation, output)
     main = next(iter(translation.files))
     line = translation.command.replace(main, output.name) if output else translation.command
     console.note(f"render it with: {line}", quiet)
@@ -63,15 +62,14 @@ def _print(translation: Translation) -> None:
         console.result(text.removesuffix("\n"))
 
 
-def _write(translation: Translation, output: Path, scene: Scene) -> None:
+def _write(translation: Translation, output: Path) -> None:
     """Write the main file as `output` and any others beside it, under their own names."""
     from crosstrace.harness.images import write_atomically
 
     for i, (name, text) in enumerate(translation.files.items()):
         target = output if i == 0 else output.with_name(name)
-        data = text.encode()
-        write_atomically(target, lambda temporary, data=data: _save(temporary, data))
+        write_atomically(target, partial(_save, text=text))
 
 
-def _save(path: Path, data: bytes) -> None:
-    path.write_bytes(data)
+def _save(path: Path, text: str) -> None:
+    path.write_bytes(text.encode())

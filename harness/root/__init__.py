@@ -12,8 +12,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from crosstrace.harness.api import load, render, render_full
+    from crosstrace.harness.api import load, probe, render, render_full, translate
     from crosstrace.harness.comparison import Comparison, compare
+    from crosstrace.harness.session import RunOptions, run
     from crosstrace.translators.course import dumps
     from crosstrace.translators.effects import effects
     from crosstrace.translators.errors import (
@@ -31,8 +32,9 @@ if TYPE_CHECKING:
     __version__: str
 
 _HOMES = {
-    "crosstrace.harness.api": ("load", "render", "render_full"),
+    "crosstrace.harness.api": ("load", "probe", "render", "render_full", "translate"),
     "crosstrace.harness.comparison": ("Comparison", "compare"),
+    "crosstrace.harness.session": ("RunOptions", "run"),
     "crosstrace.translators.course": ("dumps",),
     "crosstrace.translators.effects": ("effects",),
     "crosstrace.translators.errors": (
@@ -48,8 +50,9 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "LANES", "Comparison", "CrosstraceError", "RendererError", "RendererMissingError", "Rendering",
-    "Scene", "SceneError", "UnsupportedSceneError", "UsageError", "__version__", "compare",
-    "dumps", "effects", "load", "plane", "render", "render_full", "sphere",
+    "RunOptions", "Scene", "SceneError", "UnsupportedSceneError", "UsageError", "__version__",
+    "compare", "dumps", "effects", "load", "plane", "probe", "render", "render_full", "run",
+    "sphere", "translate",
 ]  # fmt: skip
 
 
