@@ -1,0 +1,143 @@
+"""Runs in which renderers, users or the file system misbehave: recorded, and no debris is left."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from crosstrace.harness.schedule import Event
+from crosstrace.harness.session import RunOptions, exit_status, run
+from crosstrace.translators.errors import UsageError
+from crosstrace.translators.scene import Scene
+
+GRADIENT = "fake_lanes:Gradient"
+
+#: Delivery 1 without an object: the header, and the number of objects.
+EMPTY = "12 16 1 10  0 0 10  0 0 0  0 1 0  0 128 255  0"
+
+
+@pytest.fixture
+def scene() -> Scene:
+    """Give the smallest scene whose images have an SSIM."""
+    return Scene.build(
+        delivery=1, v_res=12, h_res=16, pixel_size=1.0, screen_distance=10.0,
+        eye=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0], background=[0, 128, 255],
+    )  # fmt: skip
+
+
+def _options(*lanes: str, **more: Any) -> RunOptions:
+    return RunOptions(lanes, jobs=2, **{"timeout_s": 60.0, **more})
+
+
+def _entry(report: dict[str, Any], lane: str, scene: int = 0) -> dict[str, Any]:
+    found: dict[str, Any] = next(
+        entry for entry in report["scenes"][scene]["renderers"] if entry["name"] == lane
+    )
+    return found
+
+
+@pytest.mark.parametrize(
+    ("lane", "status", "says"),
+    [
+        ("fake_lanes:Absent", "missing", "no such program <script> (install it with: apt-get"),
+        ("fake_lanes:Crashing", "failed", "crashed with signal SIGSEGV"),
+        ("fake_lanes:Refusing", "unsupported", "no scene at all"),
+        ("fake_lanes:Wrongly", "failed", "expected an image (12, 16, 3), found (1, 1, 3)"),
+        ("no_such_module:Thing", "failed", "No module named 'no_such_module'"),
+    ],
+)
+def test_a_renderer_that_fails_is_recorded_and_the_rest_goes_on(
+    scene: Scene, tmp_path: Path, lane: str, status: str, says: str
+) -> None:
+    """Never a pass: the scene is incomplete, the exit status 3, the other image is there."""
+    report = run([scene, scene], tmp_path / "out", _options(GRADIENT, lane))
+    for i in (0, 1):
+        failed = _entry(report, lane, i)
+        assert failed["status"] == status
+        assert says in failed["message"]
+        assert failed["images"] == {}
+        assert failed["seconds"]["render"] is None
+        assert _entry(report, GRADIENT, i)["status"] == "ok"
+        assert report["scenes"][i]["verdict"] == "incomplete"
+        (pair,) = report["scenes"][i]["pairs"]
+        assert pair["pixels"] is None
+        assert lane in pair["message"]
+    assert exit_status(report) == 3
+
+
+def test_a_renderer_that_hangs_is_given_up_after_the_time_limit(
+    scene: Scene, tmp_path: Path
+) -> None:
+    """Its process is killed, the message says so, and the other renderer's image is kept."""
+    options = _options(GRADIENT, "fake_lanes:Hanging", timeout_s=1.0)
+    report = run([scene], tmp_path / "out", options)
+    hung = _entry(report, "fake_lanes:Hanging")
+    assert hung["status"] == "failed"
+    assert "timed out after" in hung["message"]
+    assert _entry(report, GRADIENT)["status"] == "ok"
+    assert exit_status(report) == 3
+
+
+def test_a_pixel_that_is_not_a_number_is_counted_and_never_reaches_the_json(
+    scene: Scene, tmp_path: Path
+) -> None:
+    """It is beyond every threshold, and the numbers that it spoils are null."""
+    report = run([scene], tmp_path / "out", _options(GRADIENT, "fake_lanes:Undefined"))
+    assert _entry(report, "fake_lanes:Undefined")["nonfinite"] == 1
+    (pair,) = report["scenes"][0]["pairs"]
+    assert (pair["max"], pair["rmse"], pair["ssim"]) == (None, None, None)
+    assert pair["over_1_255"] == pair["nonfinite"] == 1
+    text = (tmp_path / "out/report.json").read_text(encoding="utf-8")
+    assert "NaN" not in text
+    assert "Infinity" not in text
+
+
+def test_a_directory_that_cannot_be_is_refused_before_any_rendering(
+    scene: Scene, tmp_path: Path
+) -> None:
+    """A file stands in its place."""
+    (tmp_path / "out").write_text("a file", encoding="utf-8")
+    with pytest.raises(UsageError, match="expected a directory, found a file"):
+        run([scene], tmp_path / "out", _options(GRADIENT))
+
+
+def test_an_observer_that_raises_ends_the_run_and_leaves_nothing(
+    scene: Scene, tmp_path: Path
+) -> None:
+    """So does an interrupt: no half-written report, no scratch directory."""
+
+    def interrupt(event: Event) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run([scene], tmp_path / "out", _options(GRADIENT), interrupt)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_interrupted_process_leaves_at_once_although_a_renderer_hangs(tmp_path: Path) -> None:
+    """The signal of the terminal reaches the owner, which kills its workers."""
+    script = (
+        "import sys, pathlib; sys.path.insert(0, sys.argv[1])\n"
+        "from crosstrace.harness.session import RunOptions, run\n"
+        "from crosstrace.translators.course import parse\n"
+        "def tell(event): print(event.kind, flush=True)\n"
+        "try: run([parse(sys.argv[3])], pathlib.Path(sys.argv[2]),\n"
+        "    RunOptions(('fake_lanes:Hanging',), timeout_s=None), tell)\n"
+        "except KeyboardInterrupt: sys.exit(130)\n"
+    )
+    here, out = str(Path(__file__).parent), tmp_path / "out"
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, here, str(out), EMPTY], stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "start\n"
+    time.sleep(0.2)
+    process.send_signal(2)
+    process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert list(tmp_path.iterdir()) == []
