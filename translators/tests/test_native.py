@@ -89,10 +89,11 @@ def test_an_unknown_reading_is_a_usage_error(text: str) -> None:
 
 
 def test_an_exponential_ray_tree_ends_in_a_clear_error() -> None:
-    """Both branches of a glass sphere at depth 100 are 2^100 rays; the budget ends them."""
+    """Between the surfaces of a glass shell both branches stay: 2^100 rays, but for the budget."""
     from crosstrace.native import _core
 
-    scene = parse("1 1 1 1 0 0 5 0 0 0 0 1 0 9 9 9 100 1 0 0 0 0 0 0 1 .5 .5 1.5 * 0 0 0 1 0 0 0 0")
+    shell = "0 0 0 0 0 0 1 .5 .5 1.5 * 0 0 0 1 0 0 0 0 0 0 1 .5 .5 1.3 * 0 0 0 .5"
+    scene = parse(f"1 1 1 1 0 0 5 0 0 0 0 1 0 9 9 9 100 2 {shell} 0 0 0 0")
     with pytest.raises(RuntimeError, match="ray budget"):
         _core.render(scene.native_view(), [("ray_budget", "100000")], {}, None)
 
