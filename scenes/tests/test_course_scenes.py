@@ -62,7 +62,7 @@ def test_the_bubbles_are_thinner_than_their_surroundings_and_the_glass_is_denser
     """Every transparent object of bolha has n < 1, of vidro n > 1."""
     for name, sign in (("bolha2", -1), ("vidro2", 1)):
         clear = scene(name).material[scene(name).material[:, KT] > 0]
-        assert len(clear) > 2
+        assert len(clear) > 1
         assert (sign * (clear[:, N] - 1) > 0).all()
 
 
