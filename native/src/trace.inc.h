@@ -102,10 +102,14 @@ static VEC offset_origin(const WORLD *world, const RAY *ray, const HIT *hit, VEC
       return v_along(hit->point, step, outward);
     }
     case CT_OFFSET_BOUND: {
-      /* The point o + t*d carries at most about 8 roundings of the magnitudes that it is made of;
-       * twice that along the normal clears it (after Pharr, Jakob and Humphreys, 6.8). */
+      /* The point o + t*d, and a later test of it against the same surface, carry at most about
+       * 16 roundings of the magnitudes that they are made of; twice that along the normal clears
+       * it (after Pharr, Jakob and Humphreys, 6.8). */
+      const double *g = world->view->geometry + hit->object * CT_GEOMETRY_COLUMNS;
       REAL reach = add(add(v_extent(ray->origin), v_extent(hit->point)), magnitude(hit->t));
-      return v_along(hit->point, mul(reach, from_double(16 * REAL_UNIT)), outward);
+      reach = add(reach, v_extent(v_load(g)));
+      if (world->view->kind[hit->object] == CT_SPHERE) reach = add(reach, from_double(g[3]));
+      return v_along(hit->point, mul(reach, from_double(32 * REAL_UNIT)), outward);
     }
     default: return v_along(hit->point, world->epsilon, toward);
   }
@@ -269,6 +273,8 @@ static VEC secondary(const WORLD *world, ct_pixel *pixel, const RAY *ray, const 
     if (world->choice[CT_EXHAUSTED] == CT_EXHAUSTED_BACKGROUND) return background(world);
     return v_zero();
   }
+  /* Of length 1 but for rounding, which would grow from bounce to bounce inside glass. */
+  direction = v_over(direction, v_length(direction));
   RAY next = {offset_origin(world, ray, hit, direction, 0), direction, ray->depth + 1, 0, medium};
   /* A subtree has a hash of its own, so that subtrees may be traced in any order. */
   uint64_t subtree = 0;
