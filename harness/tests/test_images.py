@@ -108,7 +108,10 @@ def test_metadata_comes_back(tmp_path: Path, image: np.ndarray, suffix: str) -> 
 
 def test_side_outputs_go_beside_the_image_in_an_npz_only(tmp_path: Path, image: np.ndarray) -> None:
     """Elsewhere they are refused, not dropped."""
-    layers = {"object": np.zeros((7, 5), np.int32), "tree": np.ones((7, 5), np.uint64)}
+    layers: dict[str, np.ndarray] = {
+        "object": np.zeros((7, 5), np.int32),
+        "tree": np.ones((7, 5), np.uint64),
+    }
     images.write(tmp_path / "x.npz", image, layers=layers)
     with np.load(tmp_path / "x.npz", allow_pickle=False) as stored:
         assert stored["object"].dtype == np.int32
