@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.harness import alone, sources
-from crosstrace.harness.lanes import chosen
 from crosstrace.translators.renderer import Probe, Rendering, RenderOptions, Translation
 from crosstrace.translators.scene import Scene
 
@@ -51,16 +50,16 @@ def render_full(
 ) -> Rendering:
     """Render in a worker process and return the image with its times, settings and side outputs.
 
+    `lane` is one of `LANES`, or ``module:factory`` for a renderer from outside this package.
     `threads` 0 uses all cores; `readings` name another interpretation of the specification,
     `effects` None means what the scene calls for; `layers` asks for the native side outputs;
     `progress` is called in another thread with the fraction done. Raises UsageError for a wrong
     name, RendererMissingError, UnsupportedSceneError, or RendererError where the renderer fails,
     dies, or takes longer than `timeout_s`.
     """
-    (name,) = chosen([lane])
     wanted = None if effects is None else frozenset(effects)
     options = RenderOptions(threads, dict(readings or {}), precision, wanted, timeout_s, layers)
-    return alone.render(name, scene, options, progress=progress)[0]
+    return alone.render(lane, scene, options, progress=progress)[0]
 
 
 def translate(scene: Scene, lane: str) -> Translation:
@@ -68,11 +67,9 @@ def translate(scene: Scene, lane: str) -> Translation:
 
     Raises UsageError for a wrong name, UnsupportedSceneError where the scene cannot be expressed.
     """
-    (name,) = chosen([lane])
-    return alone.translate(name, scene)
+    return alone.translate(lane, scene)
 
 
 def probe(lane: str) -> Probe:
     """Say whether a renderer works here; raises RendererError where it dies of being asked."""
-    (name,) = chosen([lane])
-    return alone.probe(name)
+    return alone.probe(lane)

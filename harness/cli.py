@@ -78,10 +78,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit status."""
     _prepare()
     try:
-        status = group.main(arguments, prog_name="crosstrace", standalone_mode=False)
+        # Not `group.main`: it ends a broken pipe with 1, which here means that a scene disagrees.
+        words = sys.argv[1:] if arguments is None else list(arguments)
+        with group.make_context("crosstrace", words) as context:
+            status = group.invoke(context)
         sys.stdout.flush()
-    except click.exceptions.Abort:
-        return _interrupted()
+    except click.exceptions.Exit as done:
+        return done.exit_code
+    except (KeyboardInterrupt, click.exceptions.Abort):
+        click.echo("\ncrosstrace: interrupted", err=True)
+        return INTERRUPTED
     except BrokenPipeError:
         _forget_output()
         return BROKEN_PIPE
@@ -115,11 +121,6 @@ def _prepare() -> None:
 
 def _terminate(*_: object) -> NoReturn:
     sys.exit(TERMINATED)
-
-
-def _interrupted() -> int:
-    click.echo("\ncrosstrace: interrupted", err=True)
-    return INTERRUPTED
 
 
 def _forget_output() -> None:

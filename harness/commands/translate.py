@@ -67,7 +67,7 @@ def _write(translation: Translation, output: Path) -> None:
     from crosstrace.harness.images import write_atomically
 
     for i, (name, text) in enumerate(translation.files.items()):
-        target = output if i == 0 else output.with_name(name)
+        target = output if i == 0 else output.with_name(Path(name).name)
         write_atomically(target, partial(_save, text=text))
 
 

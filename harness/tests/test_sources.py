@@ -1,0 +1,84 @@
+"""What a word for a scene may name: a file, a folder, a packaged scene."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+from command_line import SCENE, scene_file
+
+from crosstrace.harness.sources import find, find_one, packaged_names
+from crosstrace.translators.errors import SceneError, UsageError
+
+
+def test_a_file_is_one_scene_under_its_own_name(tmp_path: Path) -> None:
+    """The name is that of the file without its suffix."""
+    source = find_one(str(scene_file(tmp_path)))
+    assert (source.name, source.packaged) == ("tiny", False)
+    assert source.scene.shape == (12, 16, 3)
+
+
+def test_a_folder_is_its_text_files_in_order(tmp_path: Path) -> None:
+    """Other files of the folder are not looked at."""
+    for name in ("b.txt", "a.txt", "c.txt", "notes.md"):
+        scene_file(tmp_path, name=name)
+    assert [source.name for source in find([str(tmp_path)])] == ["a", "b", "c"]
+
+
+def test_nothing_named_is_every_packaged_scene_in_the_order_of_the_index() -> None:
+    """The index has 18 scenes, whose names, deliveries and files agree with what is read."""
+    index = json.loads(
+        (files("crosstrace.scenes") / "course" / "index.json").read_text(encoding="utf-8")
+    )
+    found = find()
+    assert [source.name for source in found] == [entry["name"] for entry in index]
+    assert len(found) == 18
+    assert [source.scene.delivery for source in found] == [entry["delivery"] for entry in index]
+    assert all(source.packaged and source.title for source in found)
+
+
+def test_a_packaged_scene_is_found_by_its_name_unless_a_file_has_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What lies in the user's directory comes first."""
+    name = packaged_names()[0]
+    monkeypatch.chdir(tmp_path)
+    assert find_one(name).packaged
+    scene_file(tmp_path, name=name)
+    assert not find_one(name).packaged
+
+
+def test_scenes_of_one_name_are_told_apart(tmp_path: Path) -> None:
+    """Two folders may hold a file of the same name."""
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        scene_file(tmp_path / folder)
+    found = find([str(tmp_path / "a"), str(tmp_path / "b")])
+    assert len({source.name for source in found}) == 2
+
+
+def test_size_and_delivery_override_the_file(tmp_path: Path) -> None:
+    """The resolution changes with the pixel size; a delivery that does not fit is an error."""
+    path = str(scene_file(tmp_path))
+    scene, large = find_one(path).scene, find_one(path, size=(24, 32)).scene
+    assert large.shape == (24, 32, 3)
+    assert large.pixel_size == pytest.approx(scene.pixel_size / 2)
+    with pytest.raises(SceneError) as caught:
+        find_one(path, delivery=1)
+    assert caught.value.line > 0
+
+
+@pytest.mark.parametrize("prepare", ["nothing", "empty folder", "two scenes", "bad scene"])
+def test_what_names_no_scene_is_refused(tmp_path: Path, prepare: str) -> None:
+    """Each refusal names what was looked for and what was found."""
+    word = str(tmp_path if prepare != "nothing" else tmp_path / "nowhere")
+    if prepare == "two scenes":
+        scene_file(tmp_path, name="a.txt")
+        scene_file(tmp_path, name="b.txt")
+    if prepare == "bad scene":
+        scene_file(tmp_path, SCENE[:40])
+    with pytest.raises((UsageError, SceneError), match=r"expected .*, found ") as caught:
+        find_one(word)
+    assert isinstance(caught.value, SceneError) == (prepare == "bad scene")
