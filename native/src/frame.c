@@ -82,6 +82,44 @@ static int eye_on_sphere(const ct_frame *frame, const double *geometry) {
   return wide_abs(wide_sqrt(square) - r) <= 4 * (ct_wide)DBL_EPSILON * scale;
 }
 
+/* Exactly on it, as far as the widest type can tell: the equation's two sides are equal. */
+static int light_on_surface(const ct_scene_view *view, size_t i, const double *light) {
+  const double *g = view->geometry + i * CT_GEOMETRY_COLUMNS;
+  int is_plane = view->kind[i] == CT_PLANE;
+  /* In double first: far most pairs are far from equal. */
+  double near = is_plane ? 0 : -g[3] * g[3], scale = fabs(near);
+  for (int k = 0; k < 3; k++) {
+    double term = (light[k] - g[k]) * (is_plane ? g[3 + k] : light[k] - g[k]);
+    near += term;
+    scale += fabs(term);
+  }
+  if (fabs(near) > 1e-12 * scale) return 0;
+  ct_wide sum = is_plane ? 0 : -(ct_wide)g[3] * g[3];
+  for (int k = 0; k < 3; k++) {
+    ct_wide way = (ct_wide)light[k] - g[k];
+    sum += way * (is_plane ? (ct_wide)g[3 + k] : way);
+  }
+  return sum == 0;
+}
+
+static ct_status find_lights_on(ct_frame *frame) {
+  const ct_scene_view *view = &frame->view;
+  size_t room = 0;
+  for (size_t j = 0; j < view->n_lights; j++)
+    for (size_t i = 0; i < view->n_objects; i++) {
+      if (!light_on_surface(view, i, view->lights + j * CT_LIGHT_COLUMNS + 3)) continue;
+      if (frame->n_lights_on == room) {
+        room = room ? 2 * room : 8;
+        void *more = realloc(frame->lights_on, room * sizeof *frame->lights_on);
+        if (!more) return CT_ERR_MEMORY;
+        frame->lights_on = more;
+      }
+      frame->lights_on[frame->n_lights_on].light = j;
+      frame->lights_on[frame->n_lights_on++].object = i;
+    }
+  return CT_OK;
+}
+
 static size_t count_planes(const ct_scene_view *view) {
   size_t n = 0;
   for (size_t i = 0; i < view->n_objects; i++) n += view->kind[i] == CT_PLANE;
@@ -116,10 +154,13 @@ ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_opt
     frame->eye_on[i] = (uint8_t)eye_on_plane(frame, geometry, normal);
     frame->plane_slot[i] = slot++;
   }
-  return CT_OK;
+  ct_status status = find_lights_on(frame);
+  if (status) ct_frame_close(frame);
+  return status;
 }
 
 void ct_frame_close(ct_frame *frame) {
+  free(frame->lights_on);
   free(frame->eye_on);
   free(frame->plane_normal);
   free(frame->plane_slot);

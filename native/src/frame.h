@@ -15,9 +15,21 @@ typedef struct ct_frame {
   ct_wide *plane_normal;  /* n_planes x 3, unit */
   uint8_t *eye_on;        /* n_objects: 1 where the eye lies on the surface */
   int64_t max_depth;
+  /* Lights that lie exactly on a surface: there is no telling by rounding whether it stands before
+   * them, and the design says that it does not. Few or none, in rising order of light. */
+  size_t n_lights_on;
+  struct {
+    size_t light, object;
+  } *lights_on;
 } ct_frame;
 
 ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_options *options);
 void ct_frame_close(ct_frame *frame);
+
+static inline int ct_light_is_on(const ct_frame *frame, size_t light, size_t object) {
+  for (size_t k = 0; k < frame->n_lights_on; k++)
+    if (frame->lights_on[k].light == light && frame->lights_on[k].object == object) return 1;
+  return 0;
+}
 
 #endif

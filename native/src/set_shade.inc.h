@@ -46,8 +46,8 @@ static IV3 offset_point(const WORLD *world, const HIT *hit, IV3 toward, int is_s
 /* ---- Lights ---- */
 
 /* Whether light j is blocked: SHADOW_POSSIBLE where that is open. */
-static shadow_answer shadow_of(STATE *s, const RAY *ray, const HIT *hit, IV3 light, IV3 to_light,
-                               IV distance) {
+static shadow_answer shadow_of(STATE *s, const RAY *ray, const HIT *hit, size_t j, IV3 light,
+                               IV3 to_light, IV distance) {
   const WORLD *world = s->world;
   int light_counts = world->choice[CT_SHADOW_DISTANCE] == CT_SHADOW_DISTANCE_LIGHT;
   RAY feeler = {offset_point(world, hit, to_light, 1), to_light, ray->depth, 0, NULL};
@@ -63,9 +63,9 @@ static shadow_answer shadow_of(STATE *s, const RAY *ray, const HIT *hit, IV3 lig
     if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA)
       limit = i_mul(limit, i_sub(i_from(1), i_from(SET_MITSUBA_SHADOW)));
   }
-  if (!light_counts) return find_blocker(s, &feeler, NULL);
+  if (!light_counts) return find_blocker(s, &feeler, j, NULL);
   if (i_not_positive(limit)) return SHADOW_NONE; /* the light is within epsilon of the hit */
-  shadow_answer answer = find_blocker(s, &feeler, &limit);
+  shadow_answer answer = find_blocker(s, &feeler, j, &limit);
   return answer == SHADOW_SURE && !i_is_positive(limit) ? SHADOW_POSSIBLE : answer;
 }
 
@@ -129,7 +129,7 @@ static IV3 lights_at(STATE *s, const RAY *ray, const HIT *hit) {
                                world->light[j]);
     c = i3_add(c, i3_scale(i_mul(ks, shine), world->light[j]));
     if (world->effects & CT_SHADOWS) {
-      shadow_answer answer = shadow_of(s, ray, hit, light, l, distance);
+      shadow_answer answer = shadow_of(s, ray, hit, j, light, l, distance);
       if (answer == SHADOW_SURE) continue;
       if (answer == SHADOW_POSSIBLE) {
         /* Rounding leaves most shadows open; their outcomes would multiply without end. */

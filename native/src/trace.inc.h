@@ -117,10 +117,19 @@ static VEC offset_origin(const WORLD *world, const RAY *ray, const HIT *hit, VEC
 
 /* ---- Shadows (specification 3.2, 3.3) ---- */
 
-/* Does any object stand between the hit and the light? `to_light` is of length 1, `distance` that
+/* Where a light lies on a sphere, one root is the light itself, and the other 2b minus it. */
+static int blocks_own_light(const WORLD *world, size_t i, VEC origin, VEC direction, REAL limit) {
+  const double *g = world->view->geometry + i * CT_GEOMETRY_COLUMNS;
+  if (world->view->kind[i] == CT_PLANE) return 0;
+  REAL b = neg(v_dot(v_sub(origin, v_load(g)), direction));
+  REAL other = sub(mul(from_double(2), b), limit);
+  return less(world->shadow_min, other) && less(other, limit);
+}
+
+/* Does any object stand between the hit and light j? `to_light` is of length 1, `distance` that
  * from the hit to the light. */
 static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit,
-                       VEC light, VEC to_light, REAL distance) {
+                       size_t j, VEC light, VEC to_light, REAL distance) {
   REAL zero = from_double(0), limit;
   VEC origin = offset_origin(world, ray, hit, to_light, 1), direction = to_light;
   if (world->choice[CT_OFFSET] == CT_OFFSET_DIRECTION) {
@@ -135,12 +144,17 @@ static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
   }
   int light_counts = world->choice[CT_SHADOW_DISTANCE] == CT_SHADOW_DISTANCE_LIGHT;
   if (light_counts && !less(zero, limit)) return 0; /* a light within epsilon of the hit */
+  int at_light = light_counts && world->choice[CT_OFFSET] != CT_OFFSET_MITSUBA;
   pixel->n_shadow++;
   if (ct_pixel_must_stop(pixel, ray->depth)) return 0;
   for (size_t i = 0; i < world->view->n_objects; i++) {
     if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
         world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
       continue;
+    if (at_light && ct_light_is_on(world->frame, j, i)) {
+      if (blocks_own_light(world, i, origin, direction, limit)) return 1;
+      continue;
+    }
     REAL t = object_nearest(world, i, origin, direction, 0, world->shadow_min);
     if (!less(zero, t) || (world->has_far && less(world->far, t))) continue;
     if (!light_counts || less(t, limit)) return 1;
@@ -184,7 +198,7 @@ static void add_lights(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
     int lit = is_diffuse && less(zero, cosine);
     if (!lit && !less(zero, shine)) continue;
     if ((world->effects & CT_SHADOWS) &&
-        is_shadowed(world, pixel, ray, hit, at, l, distance)) {
+        is_shadowed(world, pixel, ray, hit, j, at, l, distance)) {
       *tree = ct_tree_mix(*tree, j + 1);
       continue;
     }
