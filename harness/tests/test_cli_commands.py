@@ -10,6 +10,7 @@ import pytest
 from command_line import NO_POVRAY, SCENE, call, scene_file
 
 from crosstrace.harness import images
+from crosstrace.harness.display import to_8bit
 from crosstrace.translators.course import load, parse
 from crosstrace.translators.renderer import RenderOptions
 
@@ -38,7 +39,7 @@ def test_render_writes_the_image_in_the_format_of_the_name(
     elif suffix in (".exr", ".pfm"):
         assert np.array_equal(found, expected.astype(np.float32))
     else:
-        assert np.array_equal(found * 255, images.to_8bit(expected))
+        assert np.array_equal(found * 255, to_8bit(expected))
 
 
 @pytest.mark.parametrize("lane", LANES)
