@@ -62,6 +62,11 @@ int main(void) {
   holds(certify("1 1\n1 1\n1 0 5\n1 0 0\n0 1 0\n0 0 51\n1\n255 0 0 * 0 0 0 1\n", NULL, NULL), 1, 0,
         0);
 
+  /* A light exactly on a plane is not behind it: n.l = 8 / sqrt(73) from the ground below. */
+  holds(certify(CAMERA "2\n255 255 255 0 0.5 0 1 / 0 0 0 0 0 1\n9 9 9 0 0 0 1 / 1 1 8 0 0 3\n0 0 0\n1\n"
+                       "255 255 255 3 0 8\n", NULL, NULL),
+        4 / sqrt(73), 4 / sqrt(73), 4 / sqrt(73));
+
   /* The ray meets the edge between two planes at an irrational distance: no width of arithmetic
    * tells which is in front. */
   answer edge = certify("1 1\n1 1\n0 1 5\n0 0 0\n0 1 0\n0 0 51\n2\n255 0 0 / 0 0 0 1 0 1\n"
