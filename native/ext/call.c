@@ -19,6 +19,8 @@ static int apply_setting(call *c, const char *name, const char *value) {
   ct_status status = CT_OK;
   if (strcmp(name, "precision") == 0)
     status = ct_options_set_precision(c->options, value, &fault);
+  else if (strcmp(name, "rounding") == 0)
+    status = ct_options_set_rounding(c->options, value, &fault);
   else if (strcmp(name, "threads") == 0)
     ct_options_set_threads(c->options, (unsigned)strtoul(value, NULL, 10));
   else if (strcmp(name, "effects") == 0)

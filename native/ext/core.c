@@ -146,6 +146,18 @@ static PyObject *core_check_reading(PyObject *module, PyObject *arguments) {
   return Py_BuildValue("(ss)", fault.expected, fault.found);
 }
 
+static PyObject *core_precisions(PyObject *module, PyObject *unused) {
+  (void)module, (void)unused;
+  PyObject *list = PyList_New(0);
+  const char *precision;
+  for (size_t i = 0; list && (precision = ct_precision_name(i)) != NULL; i++) {
+    PyObject *name = PyUnicode_FromString(precision);
+    if (!name || PyList_Append(list, name) != 0) Py_CLEAR(list);
+    Py_XDECREF(name);
+  }
+  return list;
+}
+
 /* ---- The module ---- */
 
 static PyMethodDef methods[] = {
@@ -154,6 +166,7 @@ static PyMethodDef methods[] = {
     {"check_scene", core_check_scene, METH_O,
      "check_scene(scene tuple) -> None or (where, expected, found)"},
     {"readings", core_readings, METH_NOARGS, "readings() -> [(name, default, values), ...]"},
+    {"precisions", core_precisions, METH_NOARGS, "precisions() -> [name, ...], narrowest first"},
     {"check_reading", core_check_reading, METH_VARARGS,
      "check_reading(name, value) -> None or (expected, found)"},
     {"render", core_render, METH_VARARGS,

@@ -11,6 +11,7 @@ static const named_output table[] = {
     {"tree", 'Q', 1, offsetof(ct_outputs, tree)},
     {"rays", 'I', 1, offsetof(ct_outputs, rays)},
     {"contributions", 'd', 3 * CT_CONTRIBUTIONS, offsetof(ct_outputs, contributions)},
+    {"image_low", 'd', 3, offsetof(ct_outputs, image_low)},
 };
 
 PyObject *core_render(PyObject *module, PyObject *arguments) {

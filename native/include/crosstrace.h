@@ -117,7 +117,12 @@ CT_API void ct_options_free(ct_options *options);
  * readings ("epsilon") take a decimal. CT_ERR_OPTION fills *fault (expected, found). */
 CT_API ct_status ct_options_set(ct_options *options, const char *name, const char *value,
                          ct_fault *fault);
+/* Scalar type of the tracer, "f64" by default; one that does not exist on this platform is refused
+ * with a list of those that do. */
 CT_API ct_status ct_options_set_precision(ct_options *options, const char *name, ct_fault *fault);
+/* nearest (the default), up, down or zero: the processor's rounding mode while rays are traced, to
+ * see how many digits rounding costs. f32, f64 and f80 only: ct_render refuses it elsewhere. */
+CT_API ct_status ct_options_set_rounding(ct_options *options, const char *mode, ct_fault *fault);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
@@ -128,6 +133,15 @@ CT_API void ct_options_set_rows(ct_options *options, int64_t begin, int64_t end)
 CT_API const char *ct_reading_name(size_t index);
 CT_API const char *ct_reading_default(size_t index);
 CT_API const char *ct_reading_values(size_t index);
+
+/* The precisions that exist on this platform, narrowest first; NULL past the end. Out of
+ *   f32   float
+ *   f64   double
+ *   f64c  double, with compensated intersection, refraction and highlight
+ *   f80   the x87's long double
+ *   dd    double-double, 106 bits
+ *   f128  __float128, 113 bits */
+CT_API const char *ct_precision_name(size_t index);
 
 /* ---- Rendering ---- */
 
@@ -144,6 +158,7 @@ typedef struct ct_outputs {
   uint64_t *tree;        /* rows x h_res: hash of the ray tree's decisions, not of its numbers */
   uint32_t *rays;        /* rows x h_res: rays of every kind traced for the pixel */
   double *contributions; /* rows x h_res x CT_CONTRIBUTIONS x 3 */
+  double *image_low;     /* rows x h_res x 3: what rounding the image to double left out */
 } ct_outputs;
 
 typedef struct ct_stats {

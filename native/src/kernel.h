@@ -38,19 +38,23 @@ typedef struct ct_pixel {
   uint32_t n_unreported;
   uint64_t n_shadow, n_reflected, n_refracted; /* running totals of the thread */
   int wants_contributions, wants_hit;
-  double color[3], contributions[CT_CONTRIBUTIONS * 3];
+  double color[3], color_low[3], contributions[CT_CONTRIBUTIONS * 3];
   int32_t object;
   double t_world, normal[3];
   uint64_t tree;
 } ct_pixel;
 
 typedef struct ct_kernel {
+  const char *name; /* of the precision, as an option */
+  size_t stack_per_level; /* bytes for one level of the recursion, measured, with room to spare */
+  int takes_rounding;     /* may run in any rounding mode of the processor */
   ct_status (*open)(const ct_frame *frame, void **world);
   void (*close)(void *world);
   void (*pixel)(const void *world, int64_t row, int64_t column, ct_pixel *pixel);
 } ct_kernel;
 
-extern const ct_kernel ct_kernel_f64;
+/* The kernel of a precision: index from 0, narrowest first; NULL past the last that exists here. */
+const ct_kernel *ct_precision_kernel(size_t index);
 
 /* The finaliser of splitmix64 (Steele, Lea and Flood 2014) over a running hash: decisions in
  * depth-first order give one number for the tree. */

@@ -1,10 +1,13 @@
-/* The tracing kernel of one precision: the includer defines the scalar type (real_*.h) and picks
- * the primitives; this text defines FN(ct_kernel_open), FN(ct_kernel_pixel), FN(ct_kernel_close).
+/* The tracing kernel of one precision. The includer defines the scalar type (real_*.h), picks the
+ * primitives (CT_PRIMITIVES), names the kernel (CT_RUNG), says how much stack one level of its
+ * recursion needs (CT_STACK_PER_LEVEL) and whether it may run in any rounding mode
+ * (CT_TAKES_ROUNDING); this text defines FN(ct_kernel).
  */
 #include <stdlib.h>
 
 #include "kernel.h"
 #include "vector.inc.h"
+#include "power.inc.h"
 #include CT_PRIMITIVES
 #include "trace.inc.h"
 
@@ -67,6 +70,7 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
     ray.medium = ct_media_around_eye(world->view, around);
   VEC color = FN(trace)(world, pixel, &ray, &split, &pixel->tree);
   v_store(color, pixel->color);
+  v_store_low(color, pixel->color_low);
   if (pixel->wants_contributions) {
     v_store(split.base, pixel->contributions);
     v_store(split.diffuse, pixel->contributions + 3);
@@ -83,4 +87,5 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
   }
 }
 
-const ct_kernel FN(ct_kernel) = {FN(open), FN(close), FN(pixel)};
+const ct_kernel FN(ct_kernel) = {CT_RUNG,   CT_STACK_PER_LEVEL, CT_TAKES_ROUNDING,
+                                 FN(open),  FN(close),          FN(pixel)};

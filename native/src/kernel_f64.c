@@ -1,8 +1,8 @@
 /* The kernel in double. */
-#include <float.h>
-
 #include "real_f64.h"
 
-#define REAL_UNIT (DBL_EPSILON / 2)
+#define CT_RUNG "f64"
 #define CT_PRIMITIVES "prim_plain.inc.h"
+#define CT_STACK_PER_LEVEL 4096
+#define CT_TAKES_ROUNDING 1
 #include "kernel.inc.h"

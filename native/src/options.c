@@ -12,6 +12,9 @@
 
 #include "text.h"
 
+/* double: ct_precision_name(1) */
+enum { DEFAULT_PRECISION = 1 };
+
 /* Far above any real picture, near enough to end a runaway tree: about ten minutes of rays. */
 #define DEFAULT_RAY_BUDGET (UINT64_C(1) << 34)
 
@@ -56,7 +59,7 @@ ct_options *ct_options_new(void) {
   ct_options *options = calloc(1, sizeof *options);
   if (!options) return NULL;
   options->epsilon = 1e-5;
-  options->precision = CT_F64;
+  options->precision = DEFAULT_PRECISION;
   options->effects = CT_ALL_EFFECTS;
   options->ray_budget = DEFAULT_RAY_BUDGET;
   return options;
@@ -112,14 +115,29 @@ ct_status ct_options_set(ct_options *options, const char *name, const char *valu
 }
 
 ct_status ct_options_set_precision(ct_options *options, const char *name, ct_fault *fault) {
-  static const char *const names[CT_N_PRECISIONS] = {[CT_F64] = "f64"};
+  char present[sizeof fault->expected] = "";
+  const char *other;
   if (!options || !name) return CT_ERR_ARGUMENT;
-  for (int i = 0; i < CT_N_PRECISIONS; i++)
-    if (strcmp(names[i], name) == 0) {
-      options->precision = (ct_precision)i;
+  for (size_t i = 0; (other = ct_precision_name(i)) != NULL; i++) {
+    if (strcmp(other, name) == 0) {
+      options->precision = i;
       return CT_OK;
     }
-  return refuse(fault, "precision", "f64", name);
+    size_t n = strlen(present);
+    if (n + strlen(other) + 2 > sizeof present) continue;
+    if (i > 0) present[n++] = '|';
+    memcpy(present + n, other, strlen(other) + 1);
+  }
+  return refuse(fault, "precision", present, name);
+}
+
+ct_status ct_options_set_rounding(ct_options *options, const char *mode, ct_fault *fault) {
+  static const char modes[] = "nearest|up|down|zero";
+  if (!options || !mode) return CT_ERR_ARGUMENT;
+  int found = find_value(modes, mode);
+  if (found < 0) return refuse(fault, "rounding", modes, mode);
+  options->rounding = found;
+  return CT_OK;
 }
 
 void ct_options_set_effects(ct_options *options, unsigned mask) { options->effects = mask; }

@@ -45,14 +45,15 @@ enum { CT_TIR_REPLACE, CT_TIR_IGNORE, CT_TIR_ADD, CT_TIR_PLUS_ONE, CT_TIR_NEEDS_
 enum { CT_INNER_REFLECTION_ON, CT_INNER_REFLECTION_OFF };
 enum { CT_RECURSION_FREE, CT_RECURSION_CLAMP, CT_RECURSION_SCALE };
 
-typedef enum ct_precision { CT_F64, CT_N_PRECISIONS } ct_precision;
+enum { CT_ROUND_NEAREST, CT_ROUND_UP, CT_ROUND_DOWN, CT_ROUND_ZERO };
 
 struct ct_options {
   int choice[CT_N_CHOICES];
   double epsilon;    /* world units */
   double shadow_min; /* shadow hits at or nearer than this do not block */
   double far;        /* hits beyond this do not exist; 0: no limit */
-  ct_precision precision;
+  size_t precision; /* index of ct_precision_kernel */
+  int rounding;     /* CT_ROUND_... */
   unsigned effects, n_threads;
   uint64_t ray_budget;
   int64_t row_begin, row_end;

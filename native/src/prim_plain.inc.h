@@ -54,9 +54,9 @@ static inline REAL plane_nearest(VEC origin, VEC direction, VEC point, VEC norma
 
 /* Refraction (specification 4.2): index is n seen from the side of the ray, normal and cosine
  * (normal.wo >= 0) too. Returns 0 where the light is totally reflected. */
-static inline int refract(VEC wo, VEC normal, REAL cosine, REAL index, VEC *out) {
+static inline int refract(VEC wo, VEC normal, REAL cosine, INDEX index, VEC *out) {
   REAL one = from_double(1), zero = from_double(0);
-  REAL ratio = quo(one, index);
+  REAL ratio = quo(one, quo(index.over, index.under));
   REAL sine2 = mul(sub(one, cosine), add(one, cosine));
   REAL delta = sub(one, mul(mul(ratio, ratio), sine2));
   if (less(delta, zero)) return 0;
@@ -66,7 +66,7 @@ static inline int refract(VEC wo, VEC normal, REAL cosine, REAL index, VEC *out)
 }
 
 /* max(0, r.wo)^eta of the specification's 3.2. */
-static inline REAL highlight(VEC mirrored, VEC wo, REAL eta) {
+static inline REAL highlight(VEC mirrored, VEC wo, double eta) {
   REAL x = v_dot(mirrored, wo);
   return less(from_double(0), x) ? power_of(x, eta) : from_double(0);
 }

@@ -17,11 +17,11 @@
 
 enum { TILE_SIDE = 16, MAX_THREADS = 256 };
 
-/* Bytes of stack for one level of the deepest kernel, found by measuring, with room to spare. */
+/* AddressSanitizer pads every variable of a frame. */
 #if defined(__SANITIZE_ADDRESS__)
-enum { STACK_PER_LEVEL = 16384 };
+enum { STACK_FACTOR = 4 };
 #else
-enum { STACK_PER_LEVEL = 4096 };
+enum { STACK_FACTOR = 1 };
 #endif
 
 typedef struct job {
@@ -31,6 +31,7 @@ typedef struct job {
   const ct_outputs *out;
   int64_t row_begin, row_end, tiles_across;
   uint64_t n_tiles;
+  int rounding; /* of fesetround */
   ct_shared shared;
   atomic_uint_fast64_t next_tile, pixels_done;
   pthread_mutex_t lock;
@@ -54,6 +55,7 @@ uint64_t ct_max_tree_depth(void) { return CT_MAX_TREE_DEPTH; }
 static void store(const job *j, size_t at, const ct_pixel *p) {
   const ct_outputs *out = j->out;
   if (out->image) memcpy(out->image + 3 * at, p->color, sizeof p->color);
+  if (out->image_low) memcpy(out->image_low + 3 * at, p->color_low, sizeof p->color_low);
   if (out->object) out->object[at] = p->object;
   if (out->t_world) out->t_world[at] = p->t_world;
   if (out->normal) memcpy(out->normal + 3 * at, p->normal, sizeof p->normal);
@@ -88,6 +90,7 @@ static void *run_thread(void *argument) {
   ct_pixel pixel = {.shared = &j->shared,
                     .wants_contributions = out->contributions != NULL,
                     .wants_hit = out->object || out->t_world || out->normal};
+  fesetround(j->rounding);
   for (;;) {
     uint64_t tile = atomic_fetch_add(&j->next_tile, 1);
     if (tile >= j->n_tiles || atomic_load(&j->shared.stop)) break;
@@ -141,8 +144,8 @@ static ct_status run_job(job *j, unsigned n_threads, int64_t depth, ct_progress 
   unsigned n_started = 0;
   if (depth > CT_MAX_TREE_DEPTH) depth = CT_MAX_TREE_DEPTH;
   if (pthread_attr_init(&attributes)) return CT_ERR_THREAD;
-  size_t stack = (size_t)1 << 20;
-  pthread_attr_setstacksize(&attributes, stack + (size_t)(depth + 2) * STACK_PER_LEVEL);
+  size_t stack = (size_t)1 << 20, per_level = j->kernel->stack_per_level * STACK_FACTOR;
+  pthread_attr_setstacksize(&attributes, stack + (size_t)(depth + 2) * per_level);
   j->n_running = n_threads;
   while (n_started < n_threads &&
          pthread_create(&threads[n_started], &attributes, run_thread, j) == 0)
@@ -161,7 +164,10 @@ static ct_status run_job(job *j, unsigned n_threads, int64_t depth, ct_progress 
   return (ct_status)atomic_load(&j->shared.stop);
 }
 
-static const ct_kernel *const kernels[CT_N_PRECISIONS] = {[CT_F64] = &ct_kernel_f64};
+static const int rounding_modes[] = {[CT_ROUND_NEAREST] = FE_TONEAREST,
+                                     [CT_ROUND_UP] = FE_UPWARD,
+                                     [CT_ROUND_DOWN] = FE_DOWNWARD,
+                                     [CT_ROUND_ZERO] = FE_TOWARDZERO};
 
 ct_status ct_render(const ct_scene_view *view, const ct_options *options,
                     const ct_outputs *outputs, ct_progress progress, void *user,
@@ -170,12 +176,13 @@ ct_status ct_render(const ct_scene_view *view, const ct_options *options,
   int64_t end = options->row_end ? options->row_end : view->v_res;
   if (options->row_begin < 0 || options->row_begin >= end || end > view->v_res)
     return CT_ERR_ARGUMENT;
+  const ct_kernel *kernel = ct_precision_kernel(options->precision);
+  if (options->rounding != CT_ROUND_NEAREST && !kernel->takes_rounding) return CT_ERR_OPTION;
   ct_machine_state caller = ct_machine_enter();
   ct_frame frame;
   void *world = NULL;
   ct_status status = ct_frame_open(&frame, view, options);
   if (!status) {
-    const ct_kernel *kernel = kernels[options->precision];
     status = kernel->open(&frame, &world);
     if (!status) {
       int64_t across = (view->h_res + TILE_SIDE - 1) / TILE_SIDE;
@@ -185,6 +192,7 @@ ct_status ct_render(const ct_scene_view *view, const ct_options *options,
       if (n_threads > MAX_THREADS) n_threads = MAX_THREADS;
       if (n_threads > n_tiles) n_threads = (unsigned)n_tiles;
       job j = {.kernel = kernel, .world = world, .view = view, .out = outputs,
+               .rounding = rounding_modes[options->rounding],
                .row_begin = options->row_begin, .row_end = end, .tiles_across = across,
                .n_tiles = n_tiles, .shared = {.ray_budget = options->ray_budget},
                .lock = PTHREAD_MUTEX_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER};

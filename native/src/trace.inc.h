@@ -193,7 +193,7 @@ static void add_lights(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
     REAL cosine = v_dot(n, l), shine = zero;
     if (is_specular && (less(zero, cosine) || world->choice[CT_SPECULAR_GATE] == 0)) {
       VEC mirrored = v_sub(v_scale(mul(from_double(2), cosine), n), l);
-      shine = highlight(mirrored, wo, from_double(m[CT_ETA]));
+      shine = highlight(mirrored, wo, m[CT_ETA]);
     }
     int lit = is_diffuse && less(zero, cosine);
     if (!lit && !less(zero, shine)) continue;
@@ -222,7 +222,7 @@ typedef struct FN(scatter) {
 #define SCATTER FN(scatter)
 
 /* The index seen by a ray that crosses into or out of the object, under the readings. */
-static REAL seen_index(const WORLD *world, const RAY *ray, size_t object, int inside,
+static INDEX seen_index(const WORLD *world, const RAY *ray, size_t object, int inside,
                        ct_medium *entered, const ct_medium **medium) {
   const double *m = world->view->material + object * CT_MATERIAL_COLUMNS;
   REAL one = from_double(1), n = from_double(m[CT_N]);
@@ -230,11 +230,11 @@ static REAL seen_index(const WORLD *world, const RAY *ray, size_t object, int in
   if (world->choice[CT_NESTING] == CT_NESTING_TRACKED) {
     *entered = (ct_medium){ray->medium, object, inside ? -1 : 1};
     *medium = entered;
-    return quo(from_double(ct_medium_index(world->view, *medium)),
-               from_double(ct_medium_index(world->view, ray->medium)));
+    return (INDEX){from_double(ct_medium_index(world->view, *medium)),
+                   from_double(ct_medium_index(world->view, ray->medium))};
   }
-  if (side == CT_SIDE_INVERTED) return inside ? n : quo(one, n);
-  return inside && side != CT_SIDE_ONE_WAY ? quo(one, n) : n;
+  int is_inverse = side == CT_SIDE_INVERTED ? !inside : inside && side != CT_SIDE_ONE_WAY;
+  return is_inverse ? (INDEX){one, n} : (INDEX){n, one};
 }
 
 static SCATTER scatter_at(const WORLD *world, const RAY *ray, const HIT *hit, const double *m,
@@ -255,7 +255,7 @@ static SCATTER scatter_at(const WORLD *world, const RAY *ray, const HIT *hit, co
   if (reflects) s.kr = from_double(m[CT_KR]);
   if (!(m[CT_KT] > 0 || (tir == CT_TIR_ALWAYS && m[CT_N] > 0))) return s;
 
-  REAL index = seen_index(world, ray, (size_t)hit->object, s.inside, entered, &s.medium);
+  INDEX index = seen_index(world, ray, (size_t)hit->object, s.inside, entered, &s.medium);
   if (refract(wo, facing, cosine, index, &s.refracted)) {
     if (world->effects & CT_REFRACTION) s.kt = from_double(m[CT_KT]);
     return s;

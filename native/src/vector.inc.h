@@ -21,6 +21,13 @@ static inline void v_store(VEC a, double *out) {
   out[2] = to_double(a.z);
 }
 
+/* What v_store leaves. */
+static inline void v_store_low(VEC a, double *out) {
+  out[0] = to_low(a.x);
+  out[1] = to_low(a.y);
+  out[2] = to_low(a.z);
+}
+
 static inline VEC v_add(VEC a, VEC b) {
   return v_make(add(a.x, b.x), add(a.y, b.y), add(a.z, b.z));
 }
@@ -54,3 +61,9 @@ static inline VEC v_zero(void) {
   REAL zero = from_double(0);
   return v_make(zero, zero, zero);
 }
+
+/* An index of refraction as a fraction, so that 1/n is not rounded before it must be. */
+typedef struct FN(index) {
+  REAL over, under;
+} FN(index);
+#define INDEX FN(index)

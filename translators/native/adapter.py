@@ -1,4 +1,4 @@
-"""The native lane: the C reference tracer of this project, in double."""
+"""The native lane: the C reference tracer of this project, in double unless asked otherwise."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from crosstrace.native import _core
 from crosstrace.translators import readings as readings_of_the_specification
 from crosstrace.translators.effects import effects, mask
-from crosstrace.translators.errors import RendererError, UnsupportedSceneError
+from crosstrace.translators.errors import RendererError, UnsupportedSceneError, UsageError
 from crosstrace.translators.ledger import Entry
 from crosstrace.translators.renderer import (
     Capabilities,
@@ -27,19 +27,44 @@ from crosstrace.translators.scene import Scene
 CONTRIBUTIONS = ("base", "diffuse", "specular", "reflection", "refraction", "total_reflection")
 
 
+#: The scalar types of the tracer, narrowest first; a platform may lack f80 or f128.
+PRECISIONS = {
+    "f32": "float, 2^-24",
+    "f64": "double, 2^-53",
+    "f64c": "double with compensated intersection, refraction and highlight, 2^-53",
+    "f80": "x87 long double, 2^-64",
+    "dd": "double-double, 2^-104",
+    "f128": "float128, 2^-113",
+}
+
+
+def check_precision(precision: str) -> None:
+    """Raise UsageError for a precision that this platform does not have."""
+    if precision not in (present := _core.precisions()):
+        raise UsageError(f"precision: expected one of {', '.join(present)}, found {precision!r}")
+
+
 class Native:
-    """The C11 tracer: Whitted's algorithm in double, every reading, side outputs on request."""
+    """The C11 tracer: Whitted's algorithm, every reading and precision, side outputs on request."""
 
     name = "native"
     capabilities = Capabilities(max_pixels=2**29)
 
     def probe(self) -> Probe:
         """Report the library that this package was built with."""
-        return Probe(True, _core.version)
+        present = _core.precisions()
+        absent = [name for name in PRECISIONS if name not in present]
+        details = {"precisions": " ".join(present)}
+        if absent:
+            details["absent precisions"] = " ".join(absent)
+        return Probe(True, _core.version, details=details)
 
     def ledger(self, scene: Scene) -> list[Entry]:
         """Declare the arithmetic, the only thing that is not exact."""
-        bound = "double arithmetic, relative error a few units of 2^-53 for each operation"
+        bound = (
+            "double arithmetic by default, relative error a few units of 2^-53 for each operation; "
+            f"other precisions: {', '.join(_core.precisions())}"
+        )
         return [Entry("arithmetic", bound, "approximated")]
 
     def translate(self, scene: Scene, options: RenderOptions) -> Translation:
@@ -53,11 +78,13 @@ class Native:
     ) -> Rendering:
         """Render in threads; `options.layers` adds object, t, normal, tree, rays, contributions.
 
-        Raises UsageError for a reading that does not exist, RendererError where the ray budget is
-        used up, UnsupportedSceneError for an image beyond memory, and lets KeyboardInterrupt
-        through within a fraction of a second.
+        Precisions wider than double add `image_low`, what rounding the image to double left out.
+        Raises UsageError for a reading or precision that does not exist, RendererError where the
+        ray budget is used up, UnsupportedSceneError for an image beyond memory, and lets
+        KeyboardInterrupt through within a fraction of a second.
         """
         readings_of_the_specification.check(options.readings)
+        check_precision(options.precision)
         started = time.perf_counter()
         n_pixels = scene.v_res * scene.h_res
         if n_pixels > (self.capabilities.max_pixels or n_pixels):
@@ -66,7 +93,7 @@ class Native:
         wanted = (
             effects(scene, options.readings).overall if called_for is None else mask(called_for)
         )
-        outputs = _outputs(scene, options.layers)
+        outputs = _outputs(scene, options)
         settings = [*options.readings.items(), ("precision", options.precision),
                     ("threads", str(options.threads)), ("effects", str(wanted))]  # fmt: skip
         translated = time.perf_counter()
@@ -81,10 +108,10 @@ class Native:
         return Rendering(image, seconds, settings=record, layers=outputs)
 
 
-def _outputs(scene: Scene, with_layers: bool) -> dict[str, Any]:
+def _outputs(scene: Scene, options: RenderOptions) -> dict[str, Any]:
     rows, columns = scene.v_res, scene.h_res
     outputs: dict[str, Any] = {"image": np.empty((rows, columns, 3))}
-    if with_layers:
+    if options.layers:
         outputs |= {
             "object": np.empty((rows, columns), np.int32),
             "t": np.empty((rows, columns)),
@@ -93,4 +120,6 @@ def _outputs(scene: Scene, with_layers: bool) -> dict[str, Any]:
             "rays": np.empty((rows, columns), np.uint32),
             "contributions": np.empty((rows, columns, len(CONTRIBUTIONS), 3)),
         }
+        if options.precision in ("f80", "dd", "f128"):
+            outputs["image_low"] = np.empty((rows, columns, 3))
     return outputs
