@@ -240,6 +240,12 @@ static IV3 limit_color(const WORLD *world, IV3 c) {
   return i3(limit_channel(world, c.x), limit_channel(world, c.y), limit_channel(world, c.z));
 }
 
+/* What a ray returns, under the recursion reading and with the error under test. */
+static IV3 returned(const WORLD *world, IV3 c) {
+  if (world->kappa > 0) c = i3_widen(c, error_of(world, i3_magnitude(c)));
+  return limit_color(world, c);
+}
+
 static IV3 SET_FN(trace)(STATE *s, const RAY *ray) {
   const WORLD *world = s->world;
   const ct_scene_view *view = world->view;
@@ -253,7 +259,7 @@ static IV3 SET_FN(trace)(STATE *s, const RAY *ray) {
   if (s->status != CT_SET_DECIDED) return i3_zero();
   if (outcome.object < 0) {
     int shows = ray->primary || world->choice[CT_MISS] == CT_MISS_BACKGROUND;
-    return limit_color(world, shows ? world->background : i3_zero());
+    return returned(world, shows ? world->background : i3_zero());
   }
   HIT hit = {.object = (size_t)outcome.object, .wo = i3_neg(ray->direction)};
   const double *g = view->geometry + hit.object * CT_GEOMETRY_COLUMNS;
@@ -268,7 +274,7 @@ static IV3 SET_FN(trace)(STATE *s, const RAY *ray) {
   hit.cosine = i3_dot(hit.normal, hit.wo);
 
   IV3 sum = world->base[hit.object];
-  if (view->delivery == 1) return limit_color(world, sum);
+  if (view->delivery == 1) return returned(world, sum);
   sum = i3_add(sum, lights_at(s, ray, &hit));
   if (view->delivery == 3 && s->status == CT_SET_DECIDED) {
     ct_medium entered;
@@ -281,6 +287,5 @@ static IV3 SET_FN(trace)(STATE *s, const RAY *ray) {
       sum = i3_add(sum, i3_scale(scatter.kt, follow(s, ray, &hit, scatter.refracted,
                                                     scatter.medium)));
   }
-  if (world->kappa > 0) sum = i3_widen(sum, error_of(world, i3_magnitude(sum)));
-  return limit_color(world, sum);
+  return returned(world, sum);
 }
