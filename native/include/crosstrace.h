@@ -166,8 +166,9 @@ typedef struct ct_stats {
   unsigned n_threads;
 } ct_stats;
 
-/* Called from the rendering thread's caller about every 50 ms; a value other than 0 stops. */
-typedef int (*ct_progress)(void *user, uint64_t pixels_done, uint64_t pixels_total);
+/* Called in the calling thread about every 50 ms with the part of the work that is done, in units
+ * of no meaning; a value other than 0 stops. */
+typedef int (*ct_progress)(void *user, uint64_t done, uint64_t total);
 
 CT_API ct_status ct_render(const ct_scene_view *view, const ct_options *options,
                     const ct_outputs *outputs, ct_progress progress, void *user, ct_stats *stats);

@@ -1,21 +1,16 @@
 /* Rendering a frame: tiles handed out to threads, results written where the caller wants them.
  *
  * Every pixel is traced alone and written once, so the bits do not depend on which thread took
- * which tile. The calling thread only waits, wakes every 50 ms to call back, and so can end a frame
- * at any size within the time of one ray.
+ * which tile.
  */
-#define _GNU_SOURCE
-#include <pthread.h>
-#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 #include "kernel.h"
 #include "machine.h"
+#include "parallel.h"
 
-enum { TILE_SIDE = 16, MAX_THREADS = 256 };
+enum { TILE_SIDE = 16 };
 
 /* AddressSanitizer pads every variable of a frame. */
 #if defined(__SANITIZE_ADDRESS__)
@@ -30,14 +25,9 @@ typedef struct job {
   const ct_scene_view *view;
   const ct_outputs *out;
   int64_t row_begin, row_end, tiles_across;
-  uint64_t n_tiles;
   int rounding; /* of fesetround */
   ct_shared shared;
-  atomic_uint_fast64_t next_tile, pixels_done;
-  pthread_mutex_t lock;
-  pthread_cond_t finished;
-  unsigned n_running;
-  ct_stats totals;
+  atomic_uint_fast64_t n_shadow, n_reflected, n_refracted;
 } job;
 
 void ct_pixel_report(ct_pixel *pixel) {
@@ -80,88 +70,36 @@ static void render_tile(job *j, uint64_t tile, ct_pixel *pixel) {
       if (atomic_load_explicit(&j->shared.stop, memory_order_relaxed)) return;
       store(j, (size_t)(row - j->row_begin) * (size_t)h_res + (size_t)column, pixel);
     }
-  atomic_fetch_add(&j->pixels_done, (uint64_t)(right - left) * (uint64_t)(bottom - top));
 }
 
-static void *run_thread(void *argument) {
+static void *enter_thread(void *argument) {
   job *j = argument;
-  ct_machine_state state = ct_machine_enter();
   const ct_outputs *out = j->out;
-  ct_pixel pixel = {.shared = &j->shared,
-                    .wants_contributions = out->contributions != NULL,
-                    .wants_hit = out->object || out->t_world || out->normal};
+  ct_pixel *pixel = calloc(1, sizeof *pixel);
+  if (!pixel) {
+    atomic_store(&j->shared.stop, CT_ERR_MEMORY);
+    return NULL;
+  }
+  pixel->shared = &j->shared;
+  pixel->wants_contributions = out->contributions != NULL;
+  pixel->wants_hit = out->object || out->t_world || out->normal;
   fesetround(j->rounding);
-  for (;;) {
-    uint64_t tile = atomic_fetch_add(&j->next_tile, 1);
-    if (tile >= j->n_tiles || atomic_load(&j->shared.stop)) break;
-    render_tile(j, tile, &pixel);
-  }
-  ct_pixel_report(&pixel);
-  ct_machine_leave(state);
-  pthread_mutex_lock(&j->lock);
-  j->totals.n_shadow += pixel.n_shadow;
-  j->totals.n_reflected += pixel.n_reflected;
-  j->totals.n_refracted += pixel.n_refracted;
-  if (--j->n_running == 0) pthread_cond_signal(&j->finished);
-  pthread_mutex_unlock(&j->lock);
-  return NULL;
+  return pixel;
 }
 
-static unsigned count_cores(void) {
-#if defined(__linux__)
-  cpu_set_t allowed;
-  if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return (unsigned)CPU_COUNT(&allowed);
-#endif
-  long n = sysconf(_SC_NPROCESSORS_ONLN);
-  return n > 0 ? (unsigned)n : 1;
+static void leave_thread(void *argument, void *state) {
+  job *j = argument;
+  ct_pixel *pixel = state;
+  if (!pixel) return;
+  ct_pixel_report(pixel);
+  atomic_fetch_add(&j->n_shadow, pixel->n_shadow);
+  atomic_fetch_add(&j->n_reflected, pixel->n_reflected);
+  atomic_fetch_add(&j->n_refracted, pixel->n_refracted);
+  free(pixel);
 }
 
-static void wait_for_threads(job *j, ct_progress progress, void *user) {
-  uint64_t total = (uint64_t)(j->row_end - j->row_begin) * (uint64_t)j->view->h_res;
-  pthread_mutex_lock(&j->lock);
-  while (j->n_running > 0) {
-    struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += 50000000;
-    until.tv_sec += until.tv_nsec / 1000000000;
-    until.tv_nsec %= 1000000000;
-    pthread_cond_timedwait(&j->finished, &j->lock, &until);
-    if (!progress || j->n_running == 0) continue;
-    pthread_mutex_unlock(&j->lock);
-    if (progress(user, atomic_load(&j->pixels_done), total)) {
-      int running = CT_OK;
-      atomic_compare_exchange_strong(&j->shared.stop, &running, CT_ERR_CANCELLED);
-    }
-    pthread_mutex_lock(&j->lock);
-  }
-  pthread_mutex_unlock(&j->lock);
-}
-
-static ct_status run_job(job *j, unsigned n_threads, int64_t depth, ct_progress progress,
-                         void *user) {
-  pthread_t threads[MAX_THREADS];
-  pthread_attr_t attributes;
-  unsigned n_started = 0;
-  if (depth > CT_MAX_TREE_DEPTH) depth = CT_MAX_TREE_DEPTH;
-  if (pthread_attr_init(&attributes)) return CT_ERR_THREAD;
-  size_t stack = (size_t)1 << 20, per_level = j->kernel->stack_per_level * STACK_FACTOR;
-  pthread_attr_setstacksize(&attributes, stack + (size_t)(depth + 2) * per_level);
-  j->n_running = n_threads;
-  while (n_started < n_threads &&
-         pthread_create(&threads[n_started], &attributes, run_thread, j) == 0)
-    n_started++;
-  pthread_attr_destroy(&attributes);
-  if (n_started < n_threads) {
-    /* Fewer threads than wished for still render the frame; none cannot. */
-    pthread_mutex_lock(&j->lock);
-    j->n_running -= n_threads - n_started;
-    pthread_mutex_unlock(&j->lock);
-    if (n_started == 0) return CT_ERR_THREAD;
-  }
-  wait_for_threads(j, progress, user);
-  for (unsigned i = 0; i < n_started; i++) pthread_join(threads[i], NULL);
-  j->totals.n_threads = n_started;
-  return (ct_status)atomic_load(&j->shared.stop);
+static void render_tiles(void *argument, void *state, uint64_t begin, uint64_t end) {
+  for (uint64_t tile = begin; state && tile < end; tile++) render_tile(argument, tile, state);
 }
 
 static const int rounding_modes[] = {[CT_ROUND_NEAREST] = FE_TONEAREST,
@@ -187,22 +125,22 @@ ct_status ct_render(const ct_scene_view *view, const ct_options *options,
     if (!status) {
       int64_t across = (view->h_res + TILE_SIDE - 1) / TILE_SIDE;
       int64_t down = (end - options->row_begin + TILE_SIDE - 1) / TILE_SIDE;
-      uint64_t n_tiles = (uint64_t)across * (uint64_t)down;
-      unsigned n_threads = options->n_threads ? options->n_threads : count_cores();
-      if (n_threads > MAX_THREADS) n_threads = MAX_THREADS;
-      if (n_threads > n_tiles) n_threads = (unsigned)n_tiles;
+      int64_t depth =
+          frame.max_depth < CT_MAX_TREE_DEPTH ? frame.max_depth : CT_MAX_TREE_DEPTH;
       job j = {.kernel = kernel, .world = world, .view = view, .out = outputs,
                .rounding = rounding_modes[options->rounding],
                .row_begin = options->row_begin, .row_end = end, .tiles_across = across,
-               .n_tiles = n_tiles, .shared = {.ray_budget = options->ray_budget},
-               .lock = PTHREAD_MUTEX_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER};
-      status = run_job(&j, n_threads, frame.max_depth, progress, user);
-      if (stats && !status) {
-        *stats = j.totals;
-        stats->n_primary = (uint64_t)(end - options->row_begin) * (uint64_t)view->h_res;
-      }
-      pthread_cond_destroy(&j.finished);
-      pthread_mutex_destroy(&j.lock);
+               .shared = {.ray_budget = options->ray_budget}};
+      ct_work work = {.run = render_tiles, .job = &j,
+                      .n_items = (uint64_t)across * (uint64_t)down, .chunk = 1,
+                      .stack_bytes = ((size_t)1 << 20) + (size_t)(depth + 2) *
+                                                             kernel->stack_per_level * STACK_FACTOR,
+                      .enter = enter_thread, .leave = leave_thread, .stop = &j.shared.stop};
+      unsigned n_threads = 0;
+      status = ct_parallel(&work, options->n_threads, progress, user, &n_threads);
+      if (stats && !status)
+        *stats = (ct_stats){(uint64_t)(end - options->row_begin) * (uint64_t)view->h_res,
+                            j.n_shadow, j.n_reflected, j.n_refracted, n_threads};
       kernel->close(world);
     }
     ct_frame_close(&frame);
