@@ -9,6 +9,9 @@
 #include "vector.inc.h"
 #include "power.inc.h"
 #include CT_PRIMITIVES
+#include "world.inc.h"
+#include "light.inc.h"
+#include "scatter.inc.h"
 #include "trace.inc.h"
 
 static ct_status FN(open)(const ct_frame *frame, void **out) {

@@ -14,6 +14,7 @@
 #include "set_world.inc.h"
 #include "set_filter.inc.h"
 #include "set_hit.inc.h"
+#include "set_light.inc.h"
 #include "set_shade.inc.h"
 
 static RAY primary_ray(const WORLD *world, int64_t row, int64_t column) {
