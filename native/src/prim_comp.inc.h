@@ -26,10 +26,10 @@ static inline int sphere_surely_missed(VEC f, VEC direction, REAL radius) {
 
 /* Sphere: f = o - c exactly; b = -f.d, c = |f|^2 - r^2 and disc = r^2 - |f + b*d|^2 in
  * double-words, so that neither distance (D/r to 1e8), nor a radius of 1e8, nor a ray that grazes
- * to 1e-12 costs digits; then citardauq as in the plain form, its quotient corrected. Error below
- * 2 ulp of each root, but where the origin lies on the surface to rounding: there c is a difference
- * of two numbers that agree to 53 bits, has 50 bits left, and the root near 0 errs by up to some
- * 300 ulp of itself. No hit is invented or lost while |disc| > 2^-100 r^2. */
+ * to 1e-12 costs digits; then citardauq as in the plain form, its quotient corrected. Error of a
+ * root t beside t': below 1 ulp (measured: 0.51) + 64u^2 r^2/|t'|. The second part counts only
+ * where the origin lies on the surface to rounding: t is then some u r itself, with a few hundred
+ * of its ulp and the right sign. No hit is invented or lost while |disc| > 2^-100 r^2. */
 static inline int sphere_roots(VEC origin, VEC direction, VEC center, REAL radius, int on_surface,
                                REAL t[2]) {
   REAL zero = from_double(0), one = from_double(1);
@@ -81,7 +81,7 @@ static inline int plane_surely_behind(VEC way, VEC direction, VEC normal) {
 }
 
 /* Plane: (P - o).n / (d.n) with P - o exact and both products in double-words: error below 1 ulp
- * however flat the ray meets the plane, while d.n > 2^-50 |d||n|. */
+ * (measured: 0.51) however flat the ray meets the plane, while d.n > 2^-50 |d||n|. */
 static inline REAL plane_nearest(VEC origin, VEC direction, VEC point, VEC normal, REAL t_min) {
   REAL zero = from_double(0);
   if (plane_surely_behind(v_sub(point, origin), direction, normal)) return zero;
@@ -94,7 +94,8 @@ static inline REAL plane_nearest(VEC origin, VEC direction, VEC point, VEC norma
 /* Refraction (specification 4.2): with index = over/under and g = over^2 - under^2 (1 - cosine^2)
  * in double-words, Delta = g / over^2 has the sign that the inputs give it down to |Delta| of
  * 2^-100; and sqrt(g) - under*cosine = (over^2 - under^2) / (sqrt(g) + under*cosine) does not
- * cancel for an index near 1. Each component of the direction errs by at most 4u. */
+ * cancel for an index near 1. Each component of the direction errs by less than 5u
+ * for an index from 0.4 to 2.5 (measured: 4u). */
 static inline int refract(VEC wo, VEC normal, REAL cosine, INDEX index, VEC *out) {
   REAL zero = from_double(0);
   DW step = dw_sub(dw_two_product(index.over, index.over),
@@ -105,22 +106,27 @@ static inline int refract(VEC wo, VEC normal, REAL cosine, INDEX index, VEC *out
   DW s = less(zero, g.h) ? dw_root(g) : dw_from(zero);
   DW sum = dw_add(s, across);
   REAL along_normal = dw_is_zero(sum) ? zero : dw_quotient(step, sum);
-  *out = v_over(v_neg(v_add(v_scale(index.under, wo), v_scale(along_normal, normal))), index.over);
+  VEC sum_of_two = v_make(fused(index.under, wo.x, mul(along_normal, normal.x)),
+                          fused(index.under, wo.y, mul(along_normal, normal.y)),
+                          fused(index.under, wo.z, mul(along_normal, normal.z)));
+  *out = v_over(v_neg(sum_of_two), index.over);
   return 1;
 }
 
-/* max(0, r.wo)^eta of the specification's 3.2: for directions of length 1, r.wo = 1 - |r - wo|^2/2,
- * and near the highlight's middle that form does not feel the rounding of r and wo. Relative error
- * (4 + 10 |eta ln x|) u for x = r.wo > 1/2; below, that of the dot product, 2u eta/x. */
+/* max(0, r.wo)^eta of the specification's 3.2. For directions of equal length, 1 - r.wo/|r||wo| is
+ * |r - wo|^2 / (|r|^2 + |wo|^2): near the highlight's middle that form feels neither the rounding
+ * of the dot product nor that of the lengths. Relative error 8 (1 + |eta ln x|) u for
+ * x = r.wo > 1/2 (measured: 7); below, that of the dot product, 2u eta/x. */
 static inline REAL highlight(VEC mirrored, VEC wo, double eta) {
-  REAL zero = from_double(0), one = from_double(1), half = from_double(0.5);
+  REAL zero = from_double(0), one = from_double(1);
   REAL x = v_dot(mirrored, wo);
   if (!less(zero, x)) return zero;
-  VEC apart = v_sub(mirrored, wo);
-  REAL q = mul(half, v_dot(apart, apart));
   /* A normal as in the file (plane_normal=raw) makes vectors of other lengths. */
-  REAL excess = magnitude(sub(v_dot(mirrored, mirrored), one));
-  if (less(from_double(256 * REAL_UNIT), excess) || less(half, q)) return power_of(x, eta);
+  REAL length2 = v_dot(mirrored, mirrored);
+  int is_unit = less(magnitude(sub(length2, one)), from_double(256 * REAL_UNIT));
+  if (!is_unit || less(x, from_double(0.5))) return power_of(x, eta);
+  VEC apart = v_sub(mirrored, wo);
+  REAL q = quo(v_dot(apart, apart), add(length2, v_dot(wo, wo)));
   REAL log_x = less(q, from_double(0.29)) ? log1p_of(neg(q)) : log_of(sub(one, q));
   return exponential_power(log_x, eta);
 }

@@ -4,9 +4,15 @@
  * Sphere: with f = o - c and b = -f.d, the squared distance of the line from the centre is that of
  * f + b*d (Hearn and Baker; Haines et al., Ray Tracing Gems 2019, chapter 7), so that a far, small
  * sphere keeps its digits; then q = b + sign(b)*sqrt(disc) and the roots are c/q and q, which never
- * subtract (Kahan). p99 error 3 ulp of t at D/r = 1e8, 1e6 ulp where a ray grazes to 1e-12.
+ * subtract (Kahan). Measured in double, 99 % of t (tests/test_primitives.c): 2.5 ulp at any
+ * distance to D/r = 1e8; 4e5 ulp where a ray grazes to 1e-12, 4e9 over a ground of r = 1e8; from
+ * the surface itself without an offset 8 % of the decisions are wrong.
  *
- * Plane: (P - o).n / (d.n), which subtracts first, so that distance from the origin costs nothing.
+ * Plane: (P - o).n / (d.n), which subtracts first, so that distance from the origin costs nothing;
+ * 5 ulp, 6e5 where d.n = 1e-6.
+ *
+ * Refraction: some units of 2^-53 a component, 5e3 where |Delta| = 1e-7. Highlight: all of it is
+ * the rounding of r.wo, about eta units.
  */
 
 /* Writes the real roots in rising order and returns how many of them (0 or 2) there are; a tangent
