@@ -54,6 +54,14 @@ READINGS = [
     "far=20",
 ]
 
+#: Pixel centres lie exactly on edges here: an odd resolution, and symmetric surfaces.
+CORNER = (
+    "31 31 0.05 1 0 1 5 0 0 0 0 1 0 90 90 90 1 4 "
+    "200 60 60 0.2 0.6 0.2 9 0 0 1 / 0 0 0 1 0 1 60 200 60 0.2 0.6 0.2 9 0.2 0 1 / 0 0 0 -1 0 1 "
+    "60 60 200 0.2 0.6 0.2 9 0 0 1 / 0 -2 0 0 1 0 90 90 90 0.1 0.6 0.5 9 0.3 0 1 * 0 -1 0 1 "
+    "255 255 255 1 255 255 255 0 4 6"
+)
+
 #: Rounding of the tracer in double, where no decision hangs on it.
 ROUNDING = 1e-11
 
@@ -141,3 +149,14 @@ def test_the_number_of_threads_changes_no_bit() -> None:
     scene = parse(GLASS)
     one, three = certify(scene, threads=1), certify(scene, threads=3)
     assert np.array_equal(one.lo, three.lo) and np.array_equal(one.hi, three.hi)
+
+
+@pytest.mark.parametrize("text", [GLASS, CORNER], ids=["glass", "corner"])
+def test_float128_lies_inside_the_double_enclosures(text: str) -> None:
+    """The widest arithmetic of the tracer never leaves an enclosure, decided or not."""
+    scene = parse(text)
+    options = RenderOptions(precision="f128")
+    image = renderer("native").render(scene, options).image
+    known = certify(scene)
+    assert known.contains(image).all()
+    assert known.fits_alternative(image, 1e-15).all()
