@@ -22,7 +22,7 @@ from typing import Any
 
 from crosstrace.harness import wire
 from crosstrace.harness.process import WorkerDiedError, WorkerProcess, WorkerTimeoutError
-from crosstrace.translators.errors import RendererError
+from crosstrace.translators.errors import RendererError, RendererTimeoutError
 
 #: Idle workers that are kept warm beyond the number of slots.
 _SPARE_WORKERS = 6
@@ -208,7 +208,7 @@ def _exchange(worker: WorkerProcess, item: _Item) -> tuple[Any] | BaseException:
     try:
         answer = worker.exchange(item.job, task.timeout_s, task.on_progress)
     except WorkerTimeoutError:
-        return RendererError(f"{task.label} timed out after {task.timeout_s:g} s")
+        return RendererTimeoutError(f"{task.label} timed out after {task.timeout_s:g} s")
     except WorkerDiedError as death:
         return RendererError(f"{task.label} {death}")
     if answer[0] == "result":

@@ -8,6 +8,7 @@ comparison goes before further renderings, so that scratch files do not pile up.
 from __future__ import annotations
 
 import queue
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
@@ -22,7 +23,11 @@ from crosstrace.harness.jobs import Task
 from crosstrace.harness.lanes import REFERENCE
 from crosstrace.harness.names import slug
 from crosstrace.harness.sources import Source
-from crosstrace.translators.errors import RendererMissingError
+from crosstrace.translators.errors import (
+    RendererError,
+    RendererMissingError,
+    RendererTimeoutError,
+)
 from crosstrace.translators.renderer import Probe, RenderOptions
 
 #: A renderer that cannot say within this time whether it works does not.
@@ -30,6 +35,10 @@ _PROBE_TIMEOUT_S = 60.0
 
 #: A renderer's own time limit gives the better message, so the worker's comes later.
 _GRACE_S = 5.0
+
+#: A lane that hung so often is not asked for the scenes that are left.
+_MOST_TIMEOUTS = 2
+_GIVEN_UP = RendererError(f"not asked, as it timed out {_MOST_TIMEOUTS} times before")
 
 
 @dataclass(frozen=True)
@@ -81,6 +90,8 @@ class Session:
         # Answers come from other threads; all bookkeeping is done in one.
         self._inbox: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._open = self._done = 0
+        self._asked: dict[str, list[Future[Any]]] = {lane: [] for lane in self._lanes}
+        self._timeouts: Counter[str] = Counter()
         self._pairs = tuple(combinations(self._lanes, 2))
         self._total = len(self._sources) * (len(self._lanes) + len(self._pairs))
         taken: set[str] = set()
@@ -108,13 +119,15 @@ class Session:
 
     def _submit(
         self, task: Task, arguments: tuple[Any, ...], then: Callable[[Future[Any]], None]
-    ) -> None:
+    ) -> Future[Any]:
         self._open += 1
 
         def answered(future: Future[Any]) -> None:
             self._inbox.put(lambda: self._answer(future, then))
 
-        self._executor.submit(task, *arguments).add_done_callback(answered)
+        future = self._executor.submit(task, *arguments)
+        future.add_done_callback(answered)
+        return future
 
     def _answer(self, future: Future[Any], then: Callable[[Future[Any]], None]) -> None:
         self._open -= 1
@@ -151,13 +164,21 @@ class Session:
         )
 
         def then(future: Future[Any]) -> None:
-            error = future.exception()
+            error = _GIVEN_UP if future.cancelled() else future.exception()
+            if isinstance(error, RendererTimeoutError):
+                self._on_timeout(lane)
             self._on_rendered(i, lane, record.failed(error) if error else future.result())
 
         scene, place = self._sources[i].scene, self._place(i, self._files[lane])
         arguments = (lane, scene, options, version, self._pixels(i, lane), place)
-        self._submit(task, arguments, then)
+        self._asked[lane].append(self._submit(task, arguments, then))
         self._tell("start", i, lane, "render")
+
+    def _on_timeout(self, lane: str) -> None:
+        self._timeouts[lane] += 1
+        if self._timeouts[lane] >= _MOST_TIMEOUTS:
+            for future in self._asked[lane]:
+                future.cancel()  # of no effect on one that runs or is done
 
     def _on_rendered(self, i: int, lane: str, made: dict[str, Any], news: bool = True) -> None:
         self._rendered[i, lane] = made

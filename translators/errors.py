@@ -37,6 +37,10 @@ class RendererError(CrosstraceError):
     """A renderer that was asked for an image and failed: reported, never a pass."""
 
 
+class RendererTimeoutError(RendererError):
+    """A renderer that gave no image within its time limit and was killed."""
+
+
 class RendererMissingError(RendererError):
     """A renderer that is not installed or cannot work here.
 

@@ -31,7 +31,7 @@ def scene() -> Scene:
 
 
 def _options(*lanes: str, **more: Any) -> RunOptions:
-    return RunOptions(lanes, jobs=2, **{"timeout_s": 60.0, **more})
+    return RunOptions(lanes, **{"jobs": 2, "timeout_s": 60.0, **more})
 
 
 def _entry(report: dict[str, Any], lane: str, scene: int = 0) -> dict[str, Any]:
@@ -80,6 +80,18 @@ def test_a_renderer_that_hangs_is_given_up_after_the_time_limit(
     assert hung["status"] == "failed"
     assert "timed out after" in hung["message"]
     assert _entry(report, GRADIENT)["status"] == "ok"
+    assert exit_status(report) == 3
+
+
+def test_a_renderer_that_hangs_twice_is_not_asked_again(scene: Scene, tmp_path: Path) -> None:
+    """A lane that hangs on every scene costs two time limits, not one a scene."""
+    options = _options(GRADIENT, "fake_lanes:Hanging", timeout_s=0.5, jobs=1)
+    report = run([scene] * 6, tmp_path / "out", options)
+    messages = [_entry(report, "fake_lanes:Hanging", i)["message"] for i in range(6)]
+    hung = [message for message in messages if "timed out after" in message]
+    assert len(hung) in (2, 3)  # a third may have been under way
+    assert sum("not asked" in message for message in messages) == 6 - len(hung)
+    assert all(_entry(report, GRADIENT, i)["status"] == "ok" for i in range(6))
     assert exit_status(report) == 3
 
 

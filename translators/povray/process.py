@@ -18,7 +18,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from crosstrace.translators.errors import RendererError, RendererMissingError
+from crosstrace.translators.errors import RendererError, RendererMissingError, RendererTimeoutError
 from crosstrace.translators.renderer import Progress
 
 ENVIRONMENT_VARIABLE = "CROSSTRACE_POVRAY"
@@ -99,7 +99,7 @@ def run(
             _end(child)
     text = _readable(said.read_bytes(), directory)
     if status is None:
-        raise RendererError(f"povray timed out after {timeout_s:g} s")
+        raise RendererTimeoutError(f"povray timed out after {timeout_s:g} s")
     if status < 0:
         raise RendererError(f"povray crashed with signal {-status} ({signal.strsignal(-status)})")
     if status > 0:
