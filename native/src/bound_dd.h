@@ -18,7 +18,9 @@ typedef struct ct_dd_bound {
 } ct_dd_bound;
 
 #define BOUND ct_dd_bound
+#if !defined(SET_FN)
 #define SET_FN(name) name##_set_dd
+#endif
 #define SET_ROUNDING FE_TONEAREST
 #define SET_UNIT 0x1p-106
 

@@ -18,17 +18,27 @@ enum { N_LEVELS = 3, CHUNK = 64, RAYS_PER_PIXEL = 1 << 20 };
 /* Bytes of stack for one level of the recursion of the widest kernel. */
 enum { SET_STACK_PER_LEVEL = 32768, SET_STACK_LEVELS = 4096 };
 
-static const ct_set_kernel *const levels[N_LEVELS] = {&ct_set_kernel_f64, &ct_set_kernel_dd,
-#if defined(__SIZEOF_FLOAT128__)
-                                                      &ct_set_kernel_f128
+/* The kernel of a level, NULL where this platform has none. */
+static const ct_set_kernel *kernel_of(int level) {
+  if (level == 0) return &ct_set_kernel_f64;
+#if defined(CT_HAVE_FMA_UNITS)
+  /* The same bits, faster. */
+  if (level == 1 && __builtin_cpu_supports("fma")) return &ct_set_kernel_dd_fma;
 #endif
-};
+  if (level == 1) return &ct_set_kernel_dd;
+#if defined(__SIZEOF_FLOAT128__)
+  if (level == 2) return &ct_set_kernel_f128;
+#endif
+  return NULL;
+}
+
 static const int outcomes_followed[N_LEVELS] = {1, 16, 256};
 
 typedef struct job {
   const ct_frame *frame;
   const ct_certify_request *request;
   const ct_enclosures *out;
+  const ct_set_kernel *kernels[N_LEVELS];
   const void *worlds[N_LEVELS];
   int n_levels;
   atomic_int stop;
@@ -82,8 +92,8 @@ static void certify_pixel(job *j, uint64_t at) {
     int is_last = level == j->n_levels - 1;
     ct_set_limits limits = {is_last ? outcomes_followed[N_LEVELS - 1] : outcomes_followed[level],
                             RAYS_PER_PIXEL, &j->stop};
-    fesetround(levels[level] == &ct_set_kernel_dd ? FE_TONEAREST : FE_UPWARD);
-    levels[level]->pixel(j->worlds[level], pixel / h_res, pixel % h_res, &limits, &result);
+    fesetround(j->kernels[level]->rounding);
+    j->kernels[level]->pixel(j->worlds[level], pixel / h_res, pixel % h_res, &limits, &result);
     fesetround(FE_TONEAREST);
     class = class_of(&result, q->tolerance);
     if (class == CT_CERTIFIED || is_last) break;
@@ -125,12 +135,15 @@ ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
   job j = {.frame = &frame, .request = request, .out = out};
   /* What a rounding renderer may return is as wide in any type. */
   int n_wanted = request->kappa > 0 ? 1 : N_LEVELS;
-  while (!status && j.n_levels < n_wanted && levels[j.n_levels]) {
+  while (!status && j.n_levels < n_wanted && kernel_of(j.n_levels)) {
+    const ct_set_kernel *kernel = kernel_of(j.n_levels);
     void *world = NULL;
-    fesetround(levels[j.n_levels] == &ct_set_kernel_dd ? FE_TONEAREST : FE_UPWARD);
-    status = levels[j.n_levels]->open(&frame, request->kappa, &world);
+    fesetround(kernel->rounding);
+    status = kernel->open(&frame, request->kappa, &world);
     fesetround(FE_TONEAREST);
-    if (!status) j.worlds[j.n_levels++] = world;
+    if (status) break;
+    j.kernels[j.n_levels] = kernel;
+    j.worlds[j.n_levels++] = world;
   }
   if (!status) {
     uint64_t n = request->pixels ? request->n_pixels : (uint64_t)(view->v_res * view->h_res);
@@ -142,7 +155,7 @@ ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
   }
   if (stats)
     for (int k = 0; k < N_LEVELS; k++) stats->n_closed[k] = atomic_load(&j.n_closed[k]);
-  for (int k = 0; k < j.n_levels; k++) levels[k]->close((void *)(uintptr_t)j.worlds[k]);
+  for (int k = 0; k < j.n_levels; k++) j.kernels[k]->close((void *)(uintptr_t)j.worlds[k]);
   ct_frame_close(&frame);
   ct_machine_leave(caller);
   return status;

@@ -40,6 +40,7 @@ typedef struct ct_set_limits {
 
 typedef struct ct_set_kernel {
   const char *name;
+  int rounding; /* of fesetround, in which every function here is to be called */
   /* kappa: relative error of the arithmetic under test, 0 for truth; enclosures then hold what a
    * renderer of that arithmetic may return. */
   ct_status (*open)(const ct_frame *frame, double kappa, void **world);
@@ -49,6 +50,9 @@ typedef struct ct_set_kernel {
 } ct_set_kernel;
 
 extern const ct_set_kernel ct_set_kernel_f64, ct_set_kernel_dd;
+#if defined(CT_HAVE_FMA_UNITS)
+extern const ct_set_kernel ct_set_kernel_dd_fma;
+#endif
 #if defined(__SIZEOF_FLOAT128__)
 extern const ct_set_kernel ct_set_kernel_f128;
 #endif

@@ -96,5 +96,5 @@ static void SET_FN(pixel)(const void *opaque, int64_t row, int64_t column,
                                                             : CT_SET_DECIDED;
 }
 
-const ct_set_kernel SET_FN(ct_set_kernel_all) = {SET_NAME, SET_FN(open), SET_FN(close),
+const ct_set_kernel SET_FN(ct_set_kernel_all) = {SET_NAME, SET_ROUNDING, SET_FN(open), SET_FN(close),
                                                  SET_FN(pixel)};
