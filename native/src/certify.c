@@ -81,34 +81,41 @@ static void store(const job *j, uint64_t at, const ct_set_result *r, ct_certify_
   }
 }
 
-static void certify_pixel(job *j, uint64_t at) {
+/* Called in the rounding mode of the first level, and leaves it so. */
+static void certify_pixel(job *j, uint64_t at, uint64_t n_closed[N_LEVELS]) {
   const ct_certify_request *q = j->request;
   int64_t h_res = j->frame->view.h_res;
   int64_t pixel = q->pixels ? q->pixels[at] : (int64_t)at;
-  ct_set_result result = {.status = CT_SET_PRECISION};
+  ct_set_result result; /* its alternatives are filled as far as they are counted */
+  result.status = CT_SET_PRECISION;
   ct_certify_class class = CT_UNDECIDABLE_PRECISION;
   int level = 0;
   for (; level < j->n_levels; level++) {
     int is_last = level == j->n_levels - 1;
     ct_set_limits limits = {is_last ? outcomes_followed[N_LEVELS - 1] : outcomes_followed[level],
                             RAYS_PER_PIXEL, &j->stop};
-    fesetround(j->kernels[level]->rounding);
+    if (level > 0) fesetround(j->kernels[level]->rounding);
     j->kernels[level]->pixel(j->worlds[level], pixel / h_res, pixel % h_res, &limits, &result);
-    fesetround(FE_TONEAREST);
+    if (level > 0) fesetround(j->kernels[0]->rounding);
     class = class_of(&result, q->tolerance);
     if (class == CT_CERTIFIED || is_last) break;
   }
-  if (class == CT_CERTIFIED) atomic_fetch_add(&j->n_closed[level], 1);
+  if (class == CT_CERTIFIED) n_closed[level]++;
   store(j, at, &result, class, level);
 }
 
 static void run_chunk(void *argument, void *state, uint64_t begin, uint64_t end) {
   job *j = argument;
+  uint64_t n_closed[N_LEVELS] = {0};
   (void)state;
+  /* Changing the mode costs as much as a pixel of a flat scene, so once a chunk. */
+  fesetround(j->kernels[0]->rounding);
   for (uint64_t at = begin; at < end; at++) {
-    if (atomic_load_explicit(&j->stop, memory_order_relaxed)) return;
-    certify_pixel(j, at);
+    if (atomic_load_explicit(&j->stop, memory_order_relaxed)) break;
+    certify_pixel(j, at, n_closed);
   }
+  for (int k = 0; k < N_LEVELS; k++) atomic_fetch_add(&j->n_closed[k], n_closed[k]);
+  fesetround(FE_TONEAREST);
 }
 
 static ct_status check_request(const ct_scene_view *view, const ct_certify_request *q) {
