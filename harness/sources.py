@@ -14,6 +14,9 @@ from crosstrace.translators.course import load
 from crosstrace.translators.errors import UsageError
 from crosstrace.translators.scene import Scene
 
+#: Packaged collections: the course's names, and numerically hard scenes.
+COURSE, HARD = "course", "hard"
+
 
 @dataclass(frozen=True)
 class Source:
@@ -28,7 +31,7 @@ class Source:
 
 def packaged_names() -> tuple[str, ...]:
     """Return the names of the packaged course scenes, in the order of their index."""
-    return tuple(_index())
+    return tuple(_index(COURSE))
 
 
 def find(
@@ -88,16 +91,18 @@ def _sources(text: str, delivery: int | None) -> list[Source]:
         return [_from_file(file, delivery) for file in inside]
     if path.exists():
         return [_from_file(path, delivery)]
-    entry = _index().get(text)
-    if entry is None:
-        known = ", ".join(packaged_names()) or "none"
-        raise UsageError(
-            f"{text}: expected a scene file, a folder or a packaged scene ({known}), found neither"
-        )
-    with as_file(_folder() / entry["file"]) as file:
-        scene = load(file, delivery)
-    scene = replace(scene, path=f"crosstrace:{text}", name=text)
-    return [Source(text, scene, entry.get("title", ""), entry.get("about", ""), packaged=True)]
+    for collection in (COURSE, HARD):
+        entry = _index(collection).get(text)
+        if entry is None:
+            continue
+        with as_file(_folder(collection) / entry["file"]) as file:
+            scene = replace(load(file, delivery), path=f"crosstrace:{text}", name=text)
+        title, about = entry.get("title", entry.get("family", "")), entry.get("about", "")
+        return [Source(text, scene, title, about, packaged=collection == COURSE)]
+    known = ", ".join((*packaged_names(), *_index(HARD)))
+    raise UsageError(
+        f"{text}: expected a scene file, a folder or a packaged scene ({known}), found neither"
+    )
 
 
 def _from_file(path: Path, delivery: int | None) -> Source:
@@ -118,13 +123,13 @@ def _distinct(source: Source, taken: set[str]) -> Source:
     return replace(source, name=name)
 
 
-def _folder() -> Traversable:
-    return files("crosstrace.scenes") / "course"
+def _folder(collection: str) -> Traversable:
+    return files("crosstrace.scenes") / collection
 
 
-def _index() -> dict[str, dict[str, Any]]:
+def _index(collection: str) -> dict[str, dict[str, Any]]:
     try:
-        entries = json.loads((_folder() / "index.json").read_text(encoding="utf-8"))
+        entries = json.loads((_folder(collection) / "index.json").read_text(encoding="utf-8"))
     except FileNotFoundError:
         return {}
     return {entry["name"]: entry for entry in entries}

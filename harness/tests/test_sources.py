@@ -82,3 +82,10 @@ def test_what_names_no_scene_is_refused(tmp_path: Path, prepare: str) -> None:
     with pytest.raises((UsageError, SceneError), match=r"expected .*, found ") as caught:
         find_one(word)
     assert isinstance(caught.value, SceneError) == (prepare == "bad scene")
+
+
+def test_a_hard_scene_is_found_by_its_name_too() -> None:
+    """The numerically hard scenes are packaged; a run without words leaves them out."""
+    (source,) = find(["nested-glass"])
+    assert source.scene.max_depth == 8 and not source.packaged
+    assert "nested-glass" not in packaged_names()
