@@ -98,7 +98,8 @@ def _scan(
 ) -> tuple[Any, Any]:
     def body(i: Any, best: Any, index: Any) -> Any:
         t, own, _ = test(columns, i, o, d, primary, active)
-        closer = active & (t > 0) & ((t < best) | ((t == best) & (own < index)))
+        # A plane that a ray runs parallel to lies at infinity: a miss, and no tie with "none yet".
+        closer = active & (t > 0) & (t < math.inf) & ((t < best) | ((t == best) & (own < index)))
         return i + 1, dr.select(closer, t, best), dr.select(closer, own, index)
 
     state = (dr.zeros(mi.UInt32, dr.width(d)), best, index)

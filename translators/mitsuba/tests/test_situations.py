@@ -124,3 +124,18 @@ def test_depth_without_branching_is_unlimited(
     scene = make_scene(objects=[MIRROR, *PLANES], lights=LIGHTS, max_depth=10**6)
     image = double.render(scene, RenderOptions()).image
     assert np.abs(image - native(scene)).max() <= 1e-11
+
+
+def test_a_ray_parallel_to_a_plane_ahead_of_it_misses(double: Renderer) -> None:
+    """The middle row looks along floor and ceiling at the sky between them.
+
+    It once took the ceiling, at an infinite distance, for a tie with nothing hit yet.
+    """
+    scene = Scene.build(
+        delivery=2, v_res=3, h_res=5, pixel_size=0.1, screen_distance=1.0,
+        eye=[0, -6, 1], target=[0, 0, 1], up=[0, 0, 1], background=[120, 170, 230],
+        objects=[plane([200, 200, 190], [0, 0, 0], [0, 0, 1], ka=0.2, eta=1),
+                 plane([90, 90, 90], [0, 0, 4], [0, 0, 1], ka=0.1, eta=1)],
+    )  # fmt: skip
+    middle = double.render(scene, RenderOptions()).image[1]
+    assert np.abs(middle - np.array([120, 170, 230]) / 255).max() <= 1e-15
