@@ -76,10 +76,24 @@ def from_scenes(
 
 def _named(scene: Scene) -> Source:
     prefix, _, name = scene.path.partition(":")
-    entry = _index().get(name) if prefix == "crosstrace" else None
-    if entry is None:
+    found = _packaged(name) if prefix == "crosstrace" else None
+    if found is None:
         return Source(scene.name or "scene", scene)
-    return Source(name, scene, entry.get("title", ""), entry.get("about", ""), packaged=True)
+    return _titled(name, scene, *found)
+
+
+def _packaged(name: str) -> tuple[str, dict[str, Any]] | None:
+    """Return the collection and the index entry of a packaged scene."""
+    for collection in (COURSE, HARD):
+        entry = _index(collection).get(name)
+        if entry is not None:
+            return collection, entry
+    return None
+
+
+def _titled(name: str, scene: Scene, collection: str, entry: dict[str, Any]) -> Source:
+    title, about = entry.get("title", entry.get("family", "")), entry.get("about", "")
+    return Source(name, scene, title, about, packaged=collection == COURSE)
 
 
 def _sources(text: str, delivery: int | None) -> list[Source]:
@@ -91,18 +105,16 @@ def _sources(text: str, delivery: int | None) -> list[Source]:
         return [_from_file(file, delivery) for file in inside]
     if path.exists():
         return [_from_file(path, delivery)]
-    for collection in (COURSE, HARD):
-        entry = _index(collection).get(text)
-        if entry is None:
-            continue
-        with as_file(_folder(collection) / entry["file"]) as file:
-            scene = replace(load(file, delivery), path=f"crosstrace:{text}", name=text)
-        title, about = entry.get("title", entry.get("family", "")), entry.get("about", "")
-        return [Source(text, scene, title, about, packaged=collection == COURSE)]
-    known = ", ".join((*packaged_names(), *_index(HARD)))
-    raise UsageError(
-        f"{text}: expected a scene file, a folder or a packaged scene ({known}), found neither"
-    )
+    found = _packaged(text)
+    if found is None:
+        known = ", ".join((*packaged_names(), *_index(HARD)))
+        raise UsageError(
+            f"{text}: expected a scene file, a folder or a packaged scene ({known}), found neither"
+        )
+    collection, entry = found
+    with as_file(_folder(collection) / entry["file"]) as file:
+        scene = replace(load(file, delivery), path=f"crosstrace:{text}", name=text)
+    return [_titled(text, scene, collection, entry)]
 
 
 def _from_file(path: Path, delivery: int | None) -> Source:

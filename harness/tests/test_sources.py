@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from command_line import SCENE, scene_file
 
-from crosstrace.harness.sources import find, find_one, packaged_names
+from crosstrace.harness.sources import find, find_one, from_scenes, packaged_names
 from crosstrace.translators.errors import SceneError, UsageError
 
 
@@ -89,3 +89,11 @@ def test_a_hard_scene_is_found_by_its_name_too() -> None:
     (source,) = find(["nested-glass"])
     assert source.scene.max_depth == 8 and not source.packaged
     assert "nested-glass" not in packaged_names()
+
+
+def test_a_packaged_scene_given_as_a_scene_keeps_its_title() -> None:
+    """From Python, a loaded packaged scene is named in the report as on the command line."""
+    for name in ("vidro4", "nested-glass"):
+        (source,) = find([name])
+        (again,) = from_scenes([source.scene])
+        assert again == source and again.title
