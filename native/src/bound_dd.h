@@ -13,31 +13,13 @@
 #include <fenv.h>
 #include <math.h>
 
-typedef struct ct_dd_bound {
-  double h, l;
-} ct_dd_bound;
+#include "double_double.h"
 
-#define BOUND ct_dd_bound
+#define BOUND ct_dd
 #if !defined(SET_FN)
 #define SET_FN(name) name##_set_dd
 #endif
 #define SET_ROUNDING FE_TONEAREST
-#define SET_UNIT 0x1p-106
-
-static inline BOUND fast_two_sum(double a, double b) {
-  double s = a + b;
-  return (BOUND){s, b - (s - a)};
-}
-
-static inline BOUND two_sum(double a, double b) {
-  double s = a + b, t = s - a;
-  return (BOUND){s, (a - (s - t)) + (b - t)};
-}
-
-static inline BOUND two_product(double a, double b) {
-  double p = a * b;
-  return (BOUND){p, fma(a, b, -p)};
-}
 
 /* From a result within 64u^2 to a bound above it. */
 static inline BOUND b_raise(BOUND a) {

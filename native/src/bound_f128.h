@@ -12,7 +12,6 @@ typedef __float128 ct_f128_bound;
 #define BOUND ct_f128_bound
 #define SET_FN(name) name##_set_f128
 #define SET_ROUNDING FE_UPWARD
-#define SET_UNIT 0x1p-113
 
 static inline BOUND b_from(double x) { return x; }
 static inline BOUND b_neg(BOUND a) { return -a; }

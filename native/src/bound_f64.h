@@ -9,7 +9,6 @@
 #define BOUND double
 #define SET_FN(name) name##_set_f64
 #define SET_ROUNDING FE_UPWARD
-#define SET_UNIT 0x1p-53
 
 static inline double b_from(double x) { return x; }
 static inline double b_neg(double a) { return -a; }

@@ -15,11 +15,8 @@
 
 #include <math.h>
 
+#include "double_double.h"
 #include "wide.h"
-
-typedef struct ct_dd {
-  double h, l;
-} ct_dd;
 
 #define REAL ct_dd
 #ifndef FN
@@ -32,21 +29,6 @@ typedef struct ct_dd {
 #define REAL_LEAST 0
 #define REAL_CEILING 0x1p1000
 #define CONSTANT(high, middle, low) {(high), (middle)}
-
-static inline ct_dd fast_two_sum(double a, double b) {
-  double s = a + b;
-  return (ct_dd){s, b - (s - a)};
-}
-
-static inline ct_dd two_sum(double a, double b) {
-  double s = a + b, t = s - a;
-  return (ct_dd){s, (a - (s - t)) + (b - t)};
-}
-
-static inline ct_dd two_product(double a, double b) {
-  double p = a * b;
-  return (ct_dd){p, fma(a, b, -p)};
-}
 
 static inline ct_dd from_double(double x) { return (ct_dd){x, 0}; }
 static inline ct_dd from_wide(ct_wide x) {

@@ -65,11 +65,10 @@ static shadow_answer shadow_of(STATE *s, const RAY *ray, const HIT *hit, size_t 
 }
 
 /* max(0, r.wo)^eta */
-static IV highlight_of(STATE *s, const HIT *hit, IV cosine, IV view, IV l_dot_wo, double eta) {
+static IV highlight_of(const WORLD *world, IV cosine, IV view, IV l_dot_wo, double eta) {
   IV x = i_sub(i_mul(i_add(cosine, cosine), view), l_dot_wo);
-  (void)s, (void)hit;
   if (i_not_positive(x)) return i_from(0);
-  if (s->world->kappa > 0) x = i_widen(x, b_from(3 * s->world->kappa));
+  if (world->kappa > 0) x = i_widen(x, b_from(3 * world->kappa));
   return set_power(x, eta);
 }
 
@@ -117,7 +116,7 @@ static IV3 lights_at(STATE *s, const RAY *ray, const HIT *hit) {
       else if (!i_is_positive(cosine))
         may_shine = !decide(s, 2, CT_DECISION_GATE, ray->depth, (int64_t)hit->object);
     }
-    if (may_shine) shine = highlight_of(s, hit, cosine, towards_view, i3_dot(l, wo), m[CT_ETA]);
+    if (may_shine) shine = highlight_of(world, cosine, towards_view, i3_dot(l, wo), m[CT_ETA]);
     if ((!is_diffuse || i_not_positive(cosine)) && i_is_zero(shine)) continue;
     IV3 c = i3_zero();
     if (is_diffuse) c = i3_mul(i3_scale(i_floor_zero(cosine), world->diffuse[hit->object]),
