@@ -19,6 +19,12 @@ STOPS = (
     (152, 183, 125), (203, 207, 109), (246, 230, 120), (255, 249, 196),
 )  # fmt: skip
 
+#: Classes of pixels in the order of `classes.Class`, as 0…255 sRGB: told apart without colour
+#: vision (after Okabe and Ito), the lighter the less is explained.
+CLASS_COLORS = (
+    (26, 26, 30), (40, 74, 110), (120, 110, 60), (70, 130, 160), (240, 170, 60), (255, 60, 110),
+)  # fmt: skip
+
 NOTHING = (0, 0, 0)
 NOT_A_NUMBER = (255, 0, 255)
 
@@ -59,6 +65,11 @@ def similarity_picture(full: NDArray[np.float64]) -> NDArray[np.uint8]:
     colors = ramp(1.0 - decades / LEAST_UNLIKE_DECADE)
     colors[unlike <= 1e-9] = NOTHING
     return colors
+
+
+def class_picture(classes: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Draw the class of every pixel, (v_res, h_res), in `CLASS_COLORS`."""
+    return np.array(CLASS_COLORS, np.uint8)[classes]
 
 
 def css_gradient() -> str:

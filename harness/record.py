@@ -34,6 +34,9 @@ CLASSES = ("equal", "rounding", "undecidable", "model", "suspect", "wrong")
 #: Objects that one declaration of a ledger lists by index; their count is always whole.
 _LISTED_OBJECTS = 100
 
+#: Keys of a judgement that stand elsewhere in a scene's record.
+_PLACED = ("verdict", "blame", "lanes")
+
 _NUMBERS = ("max", "mean", "bias", "rmse", "psnr", "ssim", "over_1_255", "over_1e_4", "over_1e_9",
             "pixels", "differing", "nonfinite")  # fmt: skip
 
@@ -66,6 +69,11 @@ def told(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}"
 
 
+def not_judged(message: str) -> dict[str, Any]:
+    """Return the record of a scene that could not be judged."""
+    return {"message": message, "verdict": "incomplete", "blame": [], "lanes": {}}
+
+
 def not_compared(message: str) -> dict[str, Any]:
     """Return the record of a pair of which an image, or the comparison, is missing."""
     return {**dict.fromkeys(_NUMBERS), "worst": [], "images": {}, "message": message}
@@ -81,6 +89,7 @@ def ledger(entries: Iterable[Entry]) -> list[dict[str, Any]]:
             "bound": entry.bound,
             "n_objects": len(entry.objects),
             "objects": [int(i) for i in entry.objects[:_LISTED_OBJECTS]],
+            "readings": list(entry.readings),
         }
         for entry in entries
     ]
@@ -90,13 +99,17 @@ def scene(
     source: Source,
     renderers: Sequence[Mapping[str, Any]],
     pairs: Sequence[Mapping[str, Any]],
+    judged: Mapping[str, Any],
     readings: Mapping[str, str],
 ) -> dict[str, Any]:
-    """Return one scene's record from those of its renderings and comparisons."""
+    """Return one scene's record from those of its renderings, comparisons and judgement."""
     it = source.scene
     called_for = effects(it, readings).names
     whole = all(entry["status"] == "ok" for entry in renderers)
     whole = whole and all(pair["pixels"] is not None for pair in pairs)
+    lanes = judged["lanes"]
+    # A fault that was found stays found, whatever else is missing.
+    verdict = judged["verdict"] if whole or judged["blame"] else "incomplete"
     return {
         "name": source.name,
         "title": source.title,
@@ -111,13 +124,29 @@ def scene(
         "max_depth": it.max_depth,
         "effects": list(called_for),
         "left_out": [name for name in EFFECTS if name not in called_for],
-        # Nothing is judged: null is neither a pass nor a failure.
-        "verdict": None if whole else "incomplete",
-        "expected": None,
-        "blame": [],
-        "renderers": [{**entry, "classes": dict.fromkeys(CLASSES)} for entry in renderers],
+        "verdict": verdict,
+        "expected": source.expected,
+        "blame": list(judged["blame"]),
+        "judgement": {key: value for key, value in judged.items() if key not in _PLACED},
+        "renderers": [_judged_lane(entry, lanes.get(entry["name"])) for entry in renderers],
         "pairs": list(pairs),
     }
+
+
+def _judged_lane(entry: Mapping[str, Any], judged: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return a renderer's record with what is judged of its image."""
+    if judged is None:
+        nothing: dict[str, Any] = {
+            "classes": dict.fromkeys(CLASSES),
+            "tolerance": None,
+            "regions": [],
+        }
+        return {**entry, **nothing, "n_regions": None}
+    images = dict(entry["images"])
+    if judged["image"] is not None:
+        images["classes"] = judged["image"]
+    kept = {key: judged[key] for key in ("classes", "tolerance", "regions", "n_regions")}
+    return {**entry, **kept, "images": images}
 
 
 def report(

@@ -17,7 +17,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from crosstrace.harness import record, store, tasks
+from crosstrace.harness import judging, record, store, tasks
 from crosstrace.harness.environment import package_version
 from crosstrace.harness.jobs import Task
 from crosstrace.harness.lanes import REFERENCE
@@ -46,9 +46,9 @@ class Event:
     """Something that happened in a run.
 
     `kind` is ``start``, ``progress``, ``done`` or ``failed``; `what` names the work: ``probe`` (of
-    no scene; only a failed one is told), ``render`` or ``compare``, for which `lane` names both, as
-    in ``native-povray``. `done` of `total` steps are behind it; `fraction` (0…1) is how far a
-    rendering has come.
+    no scene; only a failed one is told), ``render``, ``judge`` (all lanes of a scene) or
+    ``compare``, for which `lane` names both, as in ``native-povray``. `done` of `total` steps are
+    behind it; `fraction` (0…1) is how far a rendering has come.
     """
 
     kind: str
@@ -87,13 +87,14 @@ class Session:
         self._probes: dict[str, Probe] = {}
         self._rendered: dict[tuple[int, str], dict[str, Any]] = {}
         self._compared: dict[tuple[int, str, str], dict[str, Any]] = {}
+        self._judged: dict[int, dict[str, Any]] = {}
         # Answers come from other threads; all bookkeeping is done in one.
         self._inbox: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._open = self._done = 0
         self._asked: dict[str, list[Future[Any]]] = {lane: [] for lane in self._lanes}
         self._timeouts: Counter[str] = Counter()
         self._pairs = tuple(combinations(self._lanes, 2))
-        self._total = len(self._sources) * (len(self._lanes) + len(self._pairs))
+        self._total = len(self._sources) * (len(self._lanes) + len(self._pairs) + 1)
         taken: set[str] = set()
         self._folders = [slug(source.name, taken) for source in self._sources]
         taken_lanes: set[str] = set()
@@ -183,11 +184,39 @@ class Session:
     def _on_rendered(self, i: int, lane: str, made: dict[str, Any], news: bool = True) -> None:
         self._rendered[i, lane] = made
         self._step(i, lane, "render", made["message"] if news else "")
-        if not self._pairs:
-            self._forget_pixels(i)
+        if all((i, other) in self._rendered for other in self._lanes):
+            self._judge(i)
         for a, b in self._pairs:
             if lane in (a, b) and (i, a) in self._rendered and (i, b) in self._rendered:
                 self._compare(i, a, b)
+
+    def _judge(self, i: int) -> None:
+        source, settings = self._sources[i], self._settings
+        made = {lane: self._rendered[i, lane] for lane in self._lanes}
+        exhibits = [
+            judging.Exhibit(lane, self._pixels(i, lane), entry["half_step"])
+            for lane, entry in made.items()
+            if entry["status"] == "ok"
+        ]
+        if not exhibits:
+            self._on_judged(i, record.not_judged("no image of any renderer"), news=False)
+            return
+        limit = settings.timeout_s
+        task = Task(judging.judge_files, "judge", rank=-1, timeout_s=limit, label="judging")
+
+        def then(future: Future[Any]) -> None:
+            error = future.exception()
+            self._on_judged(i, record.not_judged(record.told(error)) if error else future.result())
+
+        places = {lane: self._place(i, self._files[lane]) for lane in self._lanes}
+        readings = dict(settings.options.readings)
+        arguments = (readings, exhibits, settings.options.threads, places, package_version())
+        self._submit(task, (source.scene, *arguments), then)
+
+    def _on_judged(self, i: int, made: dict[str, Any], news: bool = True) -> None:
+        self._judged[i] = made
+        self._step(i, "", "judge", made["message"] if news else "")
+        self._forget_pixels_once_used(i)
 
     def _compare(self, i: int, a: str, b: str) -> None:
         without = [lane for lane in (a, b) if self._rendered[i, lane]["status"] != "ok"]
@@ -215,12 +244,12 @@ class Session:
     def _on_compared(self, i: int, a: str, b: str, made: dict[str, Any], news: bool = True) -> None:
         self._compared[i, a, b] = made
         self._step(i, f"{a}-{b}", "compare", made["message"] if news else "")
-        if all((i, *pair) in self._compared for pair in self._pairs):
-            self._forget_pixels(i)
+        self._forget_pixels_once_used(i)
 
-    def _forget_pixels(self, i: int) -> None:
-        for lane in self._lanes:
-            self._pixels(i, lane).unlink(missing_ok=True)
+    def _forget_pixels_once_used(self, i: int) -> None:
+        if i in self._judged and all((i, *pair) in self._compared for pair in self._pairs):
+            for lane in self._lanes:
+                self._pixels(i, lane).unlink(missing_ok=True)
 
     def _step(self, i: int, lane: str, what: str, trouble: str) -> None:
         self._done += 1
@@ -253,4 +282,6 @@ class Session:
         pairs: list[Mapping[str, Any]] = [
             {"a": a, "b": b, **self._compared[i, a, b]} for a, b in self._pairs
         ]
-        return record.scene(self._sources[i], renderers, pairs, self._settings.options.readings)
+        return record.scene(
+            self._sources[i], renderers, pairs, self._judged[i], self._settings.options.readings
+        )

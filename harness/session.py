@@ -18,8 +18,6 @@ from crosstrace.harness.sources import Source, from_scenes
 from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene
 
-__all__ = ["Event", "RunOptions", "exit_status", "run"]
-
 
 @dataclass(frozen=True)
 class RunOptions:
@@ -72,9 +70,3 @@ def run(
         report["run"] |= {"jobs": slots, "seconds": time.perf_counter() - started}
         publish(built, Path(out), report)
     return report
-
-
-def exit_status(report: Mapping[str, Any]) -> int:
-    """Return 0, or 3 where a lane gave no image of some scene."""
-    entries = [entry for scene in report["scenes"] for entry in scene["renderers"]]
-    return 0 if all(entry["status"] == "ok" for entry in entries) else 3

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
@@ -20,13 +20,19 @@ COURSE, HARD = "course", "hard"
 
 @dataclass(frozen=True)
 class Source:
-    """A scene under the name by which a report tells it from others; `title` may be empty."""
+    """A scene under the name by which a report tells it from others; `title` may be empty.
+
+    `expected` is what the scene's index says of the verdict where another renderer is known to be
+    wrong: its `verdict`, the lanes to `blame`, and the `cause`. It is of the scene as packaged, at
+    its own size; None: the verdict is to be `agree` or `explained`.
+    """
 
     name: str
     scene: Scene
     title: str = ""
     about: str = ""
     packaged: bool = False
+    expected: Mapping[str, Any] | None = None
 
 
 def packaged_names() -> tuple[str, ...]:
@@ -93,7 +99,8 @@ def _packaged(name: str) -> tuple[str, dict[str, Any]] | None:
 
 def _titled(name: str, scene: Scene, collection: str, entry: dict[str, Any]) -> Source:
     title, about = entry.get("title", entry.get("family", "")), entry.get("about", "")
-    return Source(name, scene, title, about, packaged=collection == COURSE)
+    expected = entry.get("expected")
+    return Source(name, scene, title, about, collection == COURSE, expected)
 
 
 def _sources(text: str, delivery: int | None) -> list[Source]:
@@ -123,7 +130,9 @@ def _from_file(path: Path, delivery: int | None) -> Source:
 
 
 def _resized(source: Source, size: tuple[int, int] | None) -> Source:
-    return source if size is None else replace(source, scene=source.scene.resized(*size))
+    if size is None:
+        return source
+    return replace(source, scene=source.scene.resized(*size), expected=None)
 
 
 def _distinct(source: Source, taken: set[str]) -> Source:

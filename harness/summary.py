@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from crosstrace.harness.lanes import REFERENCE
+from crosstrace.harness.outcome import sentence
 
 Table = tuple[tuple[str, ...], list[tuple[str, ...]], tuple[str, ...]]
 
@@ -45,6 +46,16 @@ def by_lane(report: Mapping[str, Any]) -> Table:
         taken = sum(times) if times else None
         rows.append((name, f"{n_ok} of {n_scenes}", *cells, _time(taken)))
     return ("all scenes", "images", *_NUMBERS), rows, _NUMBERS
+
+
+def verdicts(report: Mapping[str, Any]) -> Iterator[str]:
+    """Say of each scene how it came out, in words; those that agree share a line."""
+    agreeing = [scene["name"] for scene in report["scenes"] if scene["verdict"] == "agree"]
+    if agreeing:
+        yield f"agree: {', '.join(agreeing)}"
+    for scene in report["scenes"]:
+        if scene["verdict"] != "agree":
+            yield f"{scene['name']}: {scene['verdict']}. {sentence(scene)}"
 
 
 def failures(report: Mapping[str, Any]) -> Iterator[str]:

@@ -14,8 +14,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.translators.ledger import Entry
+from crosstrace.translators.ledger import Ledger
 from crosstrace.translators.scene import Scene
+
+#: What a renderer does, in the order of the data: where two can be right or wrong for one reason.
+STAGES = ("parsing", "camera", "intersection", "shading", "recursion")
 
 #: Called with the fraction done (0…1); an exception that it raises ends the rendering.
 Progress = Callable[[float], None]
@@ -38,11 +41,16 @@ class Probe:
 
 @dataclass(frozen=True)
 class Capabilities:
-    """The limits of a renderer; None: no limit of its own."""
+    """The limits of a renderer (None: no limit of its own), and whose code it is.
+
+    `stages` names who does each of `STAGES`, where that is not the renderer itself: two renderers
+    with the same name there are one witness, not two.
+    """
 
     max_objects: int | None = None
     max_depth: int | None = None
     max_pixels: int | None = None
+    stages: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -110,8 +118,8 @@ class Renderer(Protocol):
     def probe(self) -> Probe:
         """Say whether this renderer works here, without harming the calling process."""
 
-    def ledger(self, scene: Scene) -> list[Entry]:
-        """Say what of this scene is rendered otherwise than exactly; an empty list: nothing."""
+    def ledger(self, scene: Scene) -> Ledger:
+        """Say what of this scene is rendered otherwise than exactly, and with which arithmetic."""
 
     def render(
         self, scene: Scene, options: RenderOptions, progress: Progress | None = None

@@ -45,10 +45,12 @@ def command(
 
     Leaves DIR/report.html, DIR/report.json and the images. Without a SCENE it takes the packaged
     course scenes, which are this project's own compositions under the course's names. The exit
-    status is 3 where a renderer is missing or failed: the rest is in the report.
+    status is 1 where a renderer is wrong other than the scene's index expects, 3 where one is
+    missing or failed: the rest is in the report.
     """
     from crosstrace.harness.lanes import chosen
-    from crosstrace.harness.session import RunOptions, exit_status, run
+    from crosstrace.harness.outcome import exit_status
+    from crosstrace.harness.session import RunOptions, run
     from crosstrace.harness.sources import find
     from crosstrace.translators import readings
 
@@ -85,6 +87,9 @@ def _print(report: dict[str, Any], output: Path, quiet: bool) -> None:
         console.result("")
         header, rows, numbers = summary.by_lane(report)
         console.table(header, rows, right=numbers)
+        console.result("")
+    for line in summary.verdicts(report):
+        console.result(line)
     for line in summary.failures(report):
         console.result(line)
     if not quiet:

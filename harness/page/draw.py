@@ -7,7 +7,7 @@ of the fixed scales.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from typing import Any
 from urllib.parse import quote
@@ -17,6 +17,8 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
 from crosstrace.harness import colormap
+from crosstrace.harness.outcome import outcome, sentence
+from crosstrace.harness.record import CLASSES
 
 
 def page(report: Mapping[str, Any]) -> str:
@@ -45,9 +47,14 @@ def page(report: Mapping[str, Any]) -> str:
         summary=_summary(report),
         style=Markup(_text("report.css")),
         gradient=colormap.css_gradient(),
+        classes=list(zip(CLASSES, _css(colormap.CLASS_COLORS), strict=True)),
         difference_ticks=colormap.difference_ticks(),
         similarity_ticks=colormap.similarity_ticks(),
     )
+
+
+def _css(colors: Iterable[tuple[int, int, int]]) -> list[str]:
+    return [f"rgb({r} {g} {b})" for r, g, b in colors]
 
 
 def significant(value: float | None, digits: int = 2) -> str:
@@ -106,6 +113,8 @@ def _scene(scene: Mapping[str, Any]) -> dict[str, Any]:
         "lanes": lanes,
         "by_pair": pairs,
         "to_first": [pair for (a, _), pair in pairs.items() if a == first],
+        "sentence": sentence(scene),
+        "outcome": outcome(scene),
         "troubles": [entry for entry in lanes.values() if entry["status"] != "ok"],
     }
 

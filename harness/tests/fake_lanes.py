@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from crosstrace.translators.errors import RendererMissingError, UnsupportedSceneError
-from crosstrace.translators.ledger import Entry
+from crosstrace.translators.ledger import Arithmetic, Entry, Ledger
 from crosstrace.translators.renderer import (
     Capabilities,
     Probe,
@@ -34,9 +34,10 @@ class Gradient:
         """Work everywhere."""
         return Probe(True, "1.0-test")
 
-    def ledger(self, scene: Scene) -> list[Entry]:
+    def ledger(self, scene: Scene) -> Ledger:
         """Declare one thing."""
-        return [Entry("geometry", "there is none <b>at all</b>", "unsupported", None, (0, 1))]
+        entry = Entry("geometry", "there is none <b>at all</b>", "unsupported", None, (0, 1))
+        return Ledger((entry,), Arithmetic(2.0**-53, 1.0, 2.0**-53))
 
     def render(
         self, scene: Scene, options: RenderOptions, progress: Progress | None = None
@@ -59,6 +60,18 @@ class Gradient:
         """Write two files."""
         files = {"main.fake": "the scene\n", "../part.fake": "a part\n"}
         return Translation(files, "fake main.fake")
+
+
+class Plain(Gradient):
+    """Is right about scenes without an object."""
+
+    def render(
+        self, scene: Scene, options: RenderOptions, progress: Progress | None = None
+    ) -> Rendering:
+        """Paint the background."""
+        made = super().render(scene, options, progress)
+        made.image[:] = scene.background / 255
+        return made
 
 
 class Brighter(Gradient):

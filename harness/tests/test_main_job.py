@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from crosstrace.harness.session import RunOptions, exit_status, run
+from crosstrace.harness.outcome import exit_status
+from crosstrace.harness.session import RunOptions, run
 from crosstrace.harness.sources import find, packaged_names
 from crosstrace.translators.course import parse
 

@@ -82,21 +82,29 @@ def test_places_in_messages_are_shortened() -> None:
 def test_effects_called_for_and_left_out_are_all_effects() -> None:
     """In the order of the specification, each in one of the two lists."""
     glass = sphere([255, 255, 255], [0, 0, 0], 1.0, ka=0, kd=0, ks=0, kr=0.5, kt=0.5, n=1.5)
-    entry = record.scene(Source("glass", _scene(objects=[glass])), [], [], {})
+    source = Source("glass", _scene(objects=[glass]))
+    entry = record.scene(source, [], [], record.not_judged("no image"), {})
     assert entry["effects"] == ["reflection", "refraction", "total_reflection"]
     assert sorted(entry["effects"] + entry["left_out"]) == sorted(EFFECTS)
 
 
-def test_nothing_is_judged_yet_and_an_image_missing_makes_a_scene_incomplete() -> None:
-    """Null is neither a pass nor a failure."""
+def test_an_image_missing_makes_a_scene_incomplete_and_never_hides_a_fault() -> None:
+    """What is found of the images that are there is kept, whatever is not there."""
     source = Source("a", _scene(objects=[plane([1, 1, 1], [0, 0, 0], [0, 1, 0])]))
-    good = record.scene(source, [{"name": "x", "status": "ok"}], [], {})
-    bad = record.scene(source, [record.failed(RendererError("no"))], [], {})
-    pair = record.not_compared("no image of x")
-    unpaired = record.scene(source, [{"name": "x", "status": "ok"}], [pair], {})
-    verdicts = [entry["verdict"] for entry in (good, bad, unpaired)]
-    assert verdicts == [None, "incomplete", "incomplete"]
-    assert set(good["renderers"][0]["classes"].values()) == {None}
+    x = {"name": "x", "status": "ok"}
+    missing = {"name": "y", **record.failed(RendererError("no"))}
+    fine = {"message": "", "verdict": "explained", "blame": [], "lanes": {}}
+    wrong = {**fine, "verdict": "disagree", "blame": ["x"]}
+    pair = record.not_compared("no image of y")
+    cases = (
+        ([x], [], fine, "explained"), ([x, missing], [], fine, "incomplete"),
+        ([x], [pair], fine, "incomplete"), ([x, missing], [pair], wrong, "disagree"),
+        ([x], [], record.not_judged("it took too long"), "incomplete"),
+    )  # fmt: skip
+    for lanes, pairs, judged, verdict in cases:
+        entry = record.scene(source, lanes, pairs, judged, {})
+        assert entry["verdict"] == verdict
+        assert set(entry["renderers"][0]["classes"].values()) == {None}
 
 
 def test_a_failure_keeps_its_kind_and_its_words() -> None:

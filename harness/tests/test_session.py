@@ -13,13 +13,15 @@ import numpy as np
 import pytest
 
 from crosstrace.harness import images
+from crosstrace.harness.outcome import exit_status
 from crosstrace.harness.schedule import Event
-from crosstrace.harness.session import RunOptions, exit_status, run
+from crosstrace.harness.session import RunOptions, run
 from crosstrace.translators.course import load, parse
 from crosstrace.translators.registry import LANES
 from crosstrace.translators.scene import Scene
 
 GRADIENT, BRIGHTER = "fake_lanes:Gradient", "fake_lanes:Brighter"
+PLAIN = "fake_lanes:Plain"
 
 #: Delivery 1 without an object: the header, and the number of objects.
 EMPTY = "12 16 1 10  0 0 10  0 0 0  0 1 0  0 128 255  0"
@@ -64,7 +66,16 @@ def test_a_run_leaves_record_page_and_every_image_that_the_record_names(
         "images", "report.html", "report.json",
     }  # fmt: skip
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
-    assert exit_status(report) == 0
+
+
+def test_a_lane_that_draws_another_picture_is_blamed(scene: Scene, tmp_path: Path) -> None:
+    """The scene is its background alone: who paints a ramp is wrong, and the status says so."""
+    report = run([scene], tmp_path / "out", _options(PLAIN, GRADIENT))
+    (entry,) = report["scenes"]
+    assert (entry["verdict"], entry["blame"]) == ("disagree", [GRADIENT])
+    assert _entry(report, PLAIN)["classes"]["equal"] == 12 * 16
+    assert _entry(report, GRADIENT)["classes"]["wrong"] == 12 * 16
+    assert exit_status(report) == 1
 
 
 def test_the_numbers_of_a_pair_are_those_of_its_images(scene: Scene, tmp_path: Path) -> None:
@@ -129,8 +140,8 @@ def test_progress_counts_every_step_up_to_the_total(scene: Scene, tmp_path: Path
     lanes = (GRADIENT, BRIGHTER, "fake_lanes:Absent")
     run([scene], tmp_path / "out", _options(*lanes), seen.append)
     steps = [event for event in seen if event.kind in ("done", "failed") and event.scene]
-    assert [event.done for event in steps] == [1, 2, 3, 4, 5, 6]
-    assert {event.total for event in seen} == {6}
+    assert [event.done for event in steps] == [1, 2, 3, 4, 5, 6, 7]
+    assert {event.total for event in seen} == {7}
     (failure,) = [event for event in seen if event.kind == "failed"]
     assert (failure.what, failure.lane) == ("probe", "fake_lanes:Absent")
     assert "no such program" in failure.message
@@ -139,7 +150,7 @@ def test_progress_counts_every_step_up_to_the_total(scene: Scene, tmp_path: Path
 def test_any_executor_can_stand_in_for_the_pool(scene: Scene, tmp_path: Path) -> None:
     """The run asks for submit alone."""
     with ThreadPoolExecutor(2) as executor:
-        report = run([scene], tmp_path / "out", _options(GRADIENT, BRIGHTER), executor=executor)
+        report = run([scene], tmp_path / "out", _options(PLAIN, "native"), executor=executor)
     assert exit_status(report) == 0
 
 
@@ -154,7 +165,7 @@ def test_a_size_given_overrides_the_resolution(scene: Scene, tmp_path: Path) -> 
 def test_readings_go_to_the_reference_lane_alone(tmp_path: Path) -> None:
     """The others render the specification's default, whatever is asked of the reference."""
     scene = parse(EMPTY)
-    report = run([scene], tmp_path / "out", _options("native", GRADIENT, readings={"tir": "add"}))
+    report = run([scene], tmp_path / "out", _options("native", PLAIN, readings={"tir": "add"}))
     assert report["run"]["readings"] == {"tir": "add"}
     assert _entry(report, "native")["settings"]["readings"] == {"tir": "add"}
     assert exit_status(report) == 0

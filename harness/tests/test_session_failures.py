@@ -10,12 +10,13 @@ from typing import Any
 
 import pytest
 
+from crosstrace.harness.outcome import exit_status
 from crosstrace.harness.schedule import Event
-from crosstrace.harness.session import RunOptions, exit_status, run
+from crosstrace.harness.session import RunOptions, run
 from crosstrace.translators.errors import UsageError
 from crosstrace.translators.scene import Scene
 
-GRADIENT = "fake_lanes:Gradient"
+PLAIN = "fake_lanes:Plain"
 
 #: Delivery 1 without an object: the header, and the number of objects.
 EMPTY = "12 16 1 10  0 0 10  0 0 0  0 1 0  0 128 255  0"
@@ -55,14 +56,14 @@ def test_a_renderer_that_fails_is_recorded_and_the_rest_goes_on(
     scene: Scene, tmp_path: Path, lane: str, status: str, says: str
 ) -> None:
     """Never a pass: the scene is incomplete, the exit status 3, the other image is there."""
-    report = run([scene, scene], tmp_path / "out", _options(GRADIENT, lane))
+    report = run([scene, scene], tmp_path / "out", _options(PLAIN, lane))
     for i in (0, 1):
         failed = _entry(report, lane, i)
         assert failed["status"] == status
         assert says in failed["message"]
         assert failed["images"] == {}
         assert failed["seconds"]["render"] is None
-        assert _entry(report, GRADIENT, i)["status"] == "ok"
+        assert _entry(report, PLAIN, i)["status"] == "ok"
         assert report["scenes"][i]["verdict"] == "incomplete"
         (pair,) = report["scenes"][i]["pairs"]
         assert pair["pixels"] is None
@@ -74,24 +75,24 @@ def test_a_renderer_that_hangs_is_given_up_after_the_time_limit(
     scene: Scene, tmp_path: Path
 ) -> None:
     """Its process is killed, the message says so, and the other renderer's image is kept."""
-    options = _options(GRADIENT, "fake_lanes:Hanging", timeout_s=1.0)
+    options = _options(PLAIN, "fake_lanes:Hanging", timeout_s=1.0)
     report = run([scene], tmp_path / "out", options)
     hung = _entry(report, "fake_lanes:Hanging")
     assert hung["status"] == "failed"
     assert "timed out after" in hung["message"]
-    assert _entry(report, GRADIENT)["status"] == "ok"
+    assert _entry(report, PLAIN)["status"] == "ok"
     assert exit_status(report) == 3
 
 
 def test_a_renderer_that_hangs_twice_is_not_asked_again(scene: Scene, tmp_path: Path) -> None:
     """A lane that hangs on every scene costs two time limits, not one a scene."""
-    options = _options(GRADIENT, "fake_lanes:Hanging", timeout_s=0.5, jobs=1)
+    options = _options(PLAIN, "fake_lanes:Hanging", timeout_s=0.5, jobs=1)
     report = run([scene] * 6, tmp_path / "out", options)
     messages = [_entry(report, "fake_lanes:Hanging", i)["message"] for i in range(6)]
     hung = [message for message in messages if "timed out after" in message]
     assert len(hung) in (2, 3)  # a third may have been under way
     assert sum("not asked" in message for message in messages) == 6 - len(hung)
-    assert all(_entry(report, GRADIENT, i)["status"] == "ok" for i in range(6))
+    assert all(_entry(report, PLAIN, i)["status"] == "ok" for i in range(6))
     assert exit_status(report) == 3
 
 
@@ -99,7 +100,7 @@ def test_a_pixel_that_is_not_a_number_is_counted_and_never_reaches_the_json(
     scene: Scene, tmp_path: Path
 ) -> None:
     """It is beyond every threshold, and the numbers that it spoils are null."""
-    report = run([scene], tmp_path / "out", _options(GRADIENT, "fake_lanes:Undefined"))
+    report = run([scene], tmp_path / "out", _options(PLAIN, "fake_lanes:Undefined"))
     assert _entry(report, "fake_lanes:Undefined")["nonfinite"] == 1
     (pair,) = report["scenes"][0]["pairs"]
     assert (pair["max"], pair["rmse"], pair["ssim"]) == (None, None, None)
@@ -115,7 +116,7 @@ def test_a_directory_that_cannot_be_is_refused_before_any_rendering(
     """A file stands in its place."""
     (tmp_path / "out").write_text("a file", encoding="utf-8")
     with pytest.raises(UsageError, match="expected a directory, found a file"):
-        run([scene], tmp_path / "out", _options(GRADIENT))
+        run([scene], tmp_path / "out", _options(PLAIN))
 
 
 def test_an_observer_that_raises_ends_the_run_and_leaves_nothing(
@@ -127,7 +128,7 @@ def test_an_observer_that_raises_ends_the_run_and_leaves_nothing(
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run([scene], tmp_path / "out", _options(GRADIENT), interrupt)
+        run([scene], tmp_path / "out", _options(PLAIN), interrupt)
     assert list(tmp_path.iterdir()) == []
 
 

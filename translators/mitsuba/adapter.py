@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from crosstrace.translators import readings
 from crosstrace.translators.effects import effects
 from crosstrace.translators.errors import RendererError
-from crosstrace.translators.ledger import Entry
+from crosstrace.translators.ledger import Ledger
 from crosstrace.translators.mitsuba import document, fidelity, first_delivery, runtime
 from crosstrace.translators.mitsuba import probe as probing
 from crosstrace.translators.mitsuba.elements import Element, to_dict
@@ -100,11 +100,11 @@ class MitsubaStock(_Mitsuba):
     """Float32 through Mitsuba's shapes and ray queries; wholly stock for the first delivery."""
 
     name = "mitsuba"
-    capabilities = Capabilities(max_objects=10_000, max_depth=fidelity.DEEPEST, max_pixels=2**25)
+    capabilities = Capabilities(10_000, fidelity.DEEPEST, 2**25, fidelity.SHARED)
     magnitudes = fidelity.FLOAT32_RANGE
     precision = "float32"
 
-    def ledger(self, scene: Scene) -> list[Entry]:
+    def ledger(self, scene: Scene) -> Ledger:
         """Say what Mitsuba does by its own rules, and what float32 costs."""
         return fidelity.ledger_f32(scene, effects(scene).names)
 
@@ -132,11 +132,11 @@ class MitsubaExact(_Mitsuba):
     """Float64 throughout; scans all objects for each ray, so their number is limited."""
 
     name = "mitsuba-f64"
-    capabilities = Capabilities(max_objects=4096, max_depth=fidelity.DEEPEST, max_pixels=2**27)
+    capabilities = Capabilities(4096, fidelity.DEEPEST, 2**27, fidelity.SHARED)
     magnitudes = fidelity.FLOAT64_RANGE
     precision = "float64"
 
-    def ledger(self, scene: Scene) -> list[Entry]:
+    def ledger(self, scene: Scene) -> Ledger:
         """Say that only rounding is left."""
         return fidelity.ledger_f64(scene)
 

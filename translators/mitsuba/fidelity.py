@@ -7,7 +7,7 @@ from collections.abc import Collection
 import numpy as np
 
 from crosstrace.translators.errors import UnsupportedSceneError
-from crosstrace.translators.ledger import Entry
+from crosstrace.translators.ledger import Arithmetic, Emulation, Entry, Ledger
 from crosstrace.translators.mitsuba.document import (
     DISK,
     NEAR,
@@ -24,6 +24,16 @@ DEEPEST = 128
 #: Beyond these magnitudes squares overflow or vanish in float32 and float64.
 FLOAT32_RANGE = (1e-18, 1e17)
 FLOAT64_RANGE = (1e-150, 1e150)
+
+#: How many units the directions and hits carry is measured: see `tests/test_arithmetic.py`.
+FLOAT32 = Arithmetic(unit=2.0**-24, kappa=4.0, color_unit=2.0**-24)
+FLOAT64 = Arithmetic(unit=2.0**-53, kappa=4.0, color_unit=2.0**-53)
+
+#: Both lanes shade and recurse with the same plugins; each intersects by itself.
+SHARED = {"parsing": "crosstrace", "camera": "mitsuba plugins", "shading": "mitsuba plugins",
+          "recursion": "mitsuba plugins"}  # fmt: skip
+
+_OFFSET = ("offset",)
 
 #: From this ratio of radius to 1 on, float32 spheres are visibly wrong: 0.017 off at 1e5.
 LARGE_RADIUS = 1e4
@@ -59,20 +69,20 @@ def refuse(
         )
 
 
-def ledger_f64(scene: Scene) -> list[Entry]:
+def ledger_f64(scene: Scene) -> Ledger:
     """Declare the exact lane: rounding, and nothing else."""
     text = "double arithmetic, relative error a few units of 2^-53 for each operation"
-    return [Entry("arithmetic", text, "approximated")]
+    return Ledger((Entry("arithmetic", text, "approximated"),), FLOAT64)
 
 
-def ledger_f32(scene: Scene, effects: Collection[str]) -> list[Entry]:
+def ledger_f32(scene: Scene, effects: Collection[str]) -> Ledger:
     """Declare Mitsuba's own rules: float32, its ray offsets, near plane, and wide disks."""
     entries = [
         Entry("arithmetic", "float32, relative error a few units of 2^-24", "approximated"),
         Entry("geometry", "surfaces and rays are float32 numbers; a tie may go to either object",
               "approximated"),
         Entry("camera", f"nothing nearer than {NEAR:g} along the view is seen (offset=mitsuba)",
-              "approximated"),
+              "approximated", readings=_OFFSET),
     ]  # fmt: skip
     if scene.delivery == 1 and field_of_view(scene) > WIDEST_DEGREES:
         wide = f"wider than {WIDEST_DEGREES:g} degrees: this project's camera and integrator"
@@ -80,11 +90,11 @@ def ledger_f32(scene: Scene, effects: Collection[str]) -> list[Entry]:
     if "shadows" in effects:
         text = ("shadow rays start beside the surface along its normal, (1 + max|p|)·8.94e-5 away,"
                 " and end at (1 - 8.94e-4) of the distance (offset=mitsuba)")  # fmt: skip
-        entries.append(Entry("shadows", text, "approximated"))
+        entries.append(Entry("shadows", text, "approximated", readings=_OFFSET))
     for effect in ("reflection", "refraction", "total_reflection"):
         if effect in effects:
             text = "rays start beside the surface along its normal (offset=mitsuba)"
-            entries.append(Entry(effect, text, "approximated"))
+            entries.append(Entry(effect, text, "approximated", readings=_OFFSET))
     planes = tuple(map(int, np.flatnonzero(~scene.is_sphere)))
     if planes:
         text = f"planes end {DISK:g} from the foot of the perpendicular from the eye"
@@ -95,4 +105,4 @@ def ledger_f32(scene: Scene, effects: Collection[str]) -> list[Entry]:
     if large:
         text = f"float32 spheres of radius {LARGE_RADIUS:g} and more lose their shadows' digits"
         entries.append(Entry("geometry", text, "approximated", objects=large))
-    return entries
+    return Ledger(tuple(entries), FLOAT32, Emulation(scene, {"offset": "mitsuba"}))

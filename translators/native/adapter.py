@@ -11,7 +11,7 @@ from crosstrace.native import _core
 from crosstrace.translators import readings as readings_of_the_specification
 from crosstrace.translators.effects import effects, mask
 from crosstrace.translators.errors import RendererError, UnsupportedSceneError, UsageError
-from crosstrace.translators.ledger import Entry
+from crosstrace.translators.ledger import Arithmetic, Entry, Ledger
 from crosstrace.translators.renderer import (
     Capabilities,
     Probe,
@@ -44,11 +44,15 @@ def check_precision(precision: str) -> None:
         raise UsageError(f"precision: expected one of {', '.join(present)}, found {precision!r}")
 
 
+#: Of the default precision.
+ARITHMETIC = Arithmetic(unit=2.0**-53, kappa=4.0, color_unit=2.0**-53)
+
+
 class Native:
     """The C11 tracer: Whitted's algorithm, every reading and precision, side outputs on request."""
 
     name = "native"
-    capabilities = Capabilities(max_pixels=2**29)
+    capabilities = Capabilities(max_pixels=2**29, stages={"parsing": "crosstrace"})
 
     def probe(self) -> Probe:
         """Report the library that this package was built with."""
@@ -59,13 +63,13 @@ class Native:
             details["absent precisions"] = " ".join(absent)
         return Probe(True, _core.version, details=details)
 
-    def ledger(self, scene: Scene) -> list[Entry]:
+    def ledger(self, scene: Scene) -> Ledger:
         """Declare the arithmetic, the only thing that is not exact."""
         bound = (
             "double arithmetic by default, relative error a few units of 2^-53 for each operation; "
             f"other precisions: {', '.join(_core.precisions())}"
         )
-        return [Entry("arithmetic", bound, "approximated")]
+        return Ledger((Entry("arithmetic", bound, "approximated"),), ARITHMETIC)
 
     def translate(self, scene: Scene, options: RenderOptions) -> Translation:
         """Write the scene in the course's format, which is the native tracer's own."""

@@ -7,7 +7,7 @@ arithmetic on the scene's doubles, under the default readings or any others.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -26,6 +26,9 @@ from crosstrace.translators.scene import Scene
 TOLERANCE = 1e-9
 
 MAX_ALTERNATIVES = 16
+
+#: A tolerance: of all pixels, or one a pixel.
+Slack = float | NDArray[np.float64]
 
 
 class PixelClass(IntEnum):
@@ -83,16 +86,24 @@ class Enclosures:
         """The share of pixels that are certified; 1 for none."""
         return 1.0 - float(self.undecidable.mean()) if self.pixel_class.size else 1.0
 
-    def contains(self, image: NDArray[np.float64], slack: float = 0.0) -> NDArray[np.bool_]:
-        """Say of each pixel whether a value lies in its enclosure, widened by `slack`."""
-        inside = (self.lo - slack <= image) & (image <= self.hi + slack)
+    def contains(self, image: NDArray[np.float64], slack: Slack = 0.0) -> NDArray[np.bool_]:
+        """Say of each pixel whether a value lies in its enclosure, widened by `slack`.
+
+        `slack` is one number or one a pixel.
+        """
+        more = np.asarray(slack)[..., None]
+        inside = (self.lo - more <= image) & (image <= self.hi + more)
         return np.asarray(inside.all(axis=-1))
 
-    def fits_alternative(self, image: NDArray[np.float64], slack: float) -> NDArray[np.bool_]:
-        """Say of each pixel whether a value fits one possible value, not merely their hull."""
+    def fits_alternative(self, image: NDArray[np.float64], slack: Slack) -> NDArray[np.bool_]:
+        """Say of each pixel whether a value fits one possible value, not merely their hull.
+
+        `slack` is one number or one a pixel.
+        """
         answer = self.contains(image, slack)
         value = image[self.undecidable][:, None, :]
-        lo, hi = self.alternatives[:, :, 0] - slack, self.alternatives[:, :, 1] + slack
+        more = np.broadcast_to(slack, self.undecidable.shape)[self.undecidable][:, None, None]
+        lo, hi = self.alternatives[:, :, 0] - more, self.alternatives[:, :, 1] + more
         fits = ((lo <= value) & (value <= hi)).all(axis=-1)
         listed = np.arange(MAX_ALTERNATIVES) < self.n_alternatives[:, None]
         answer[self.undecidable] = (fits & listed).any(axis=-1)
@@ -147,3 +158,28 @@ def certify(
     except RuntimeError as error:
         raise RendererError(f"certification: {error}") from None
     return Enclosures(**arrays, **some, closed=closed)
+
+
+def violations(
+    scene: Scene, readings: Mapping[str, str] | None, known: Enclosures, rows: Iterable[int]
+) -> int:
+    """Count the pixels of some rows whose float128 value lies outside of its enclosure.
+
+    `known` is of the whole frame. 0 on a platform without float128, where nothing is checked.
+    """
+    if "f128" not in _core.precisions():
+        return 0
+    readings = dict(readings or {})
+    settings = [*readings.items(), ("precision", "f128"), ("threads", "1"),
+                ("effects", str(effects(scene, readings).overall))]  # fmt: skip
+    count = 0
+    for row in rows:
+        image = np.empty((1, scene.h_res, 3))
+        span = [("row_begin", str(row)), ("row_end", str(row + 1))]
+        try:
+            _core.render(scene.native_view(), settings + span, {"image": image}, None)
+        except RuntimeError as error:
+            raise RendererError(f"certification: {error}") from None
+        inside = (known.lo[row] <= image[0]) & (image[0] <= known.hi[row])
+        count += int(np.count_nonzero(~inside.all(axis=-1)))
+    return count

@@ -20,7 +20,7 @@ from crosstrace.translators.errors import (
     RendererMissingError,
     UnsupportedSceneError,
 )
-from crosstrace.translators.ledger import Entry
+from crosstrace.translators.ledger import Ledger
 from crosstrace.translators.povray import declarations, output, picture, process
 from crosstrace.translators.povray.plan import MAX_DEPTH
 from crosstrace.translators.readings import only_default
@@ -44,7 +44,7 @@ class PovRay:
 
     name = "povray"
     #: No max_depth: how deep the rays of a scene get, and what they carry, shows in rendering it.
-    capabilities = Capabilities(max_objects=1_000_000)
+    capabilities = Capabilities(max_objects=1_000_000, stages={"parsing": "crosstrace"})
 
     def probe(self) -> Probe:
         """Find the program and ask for its version."""
@@ -61,7 +61,7 @@ class PovRay:
             return Probe(False, version, reason, process.REMEDY, {"program": str(program)})
         return Probe(True, version, details={"program": str(program)})
 
-    def ledger(self, scene: Scene) -> list[Entry]:
+    def ledger(self, scene: Scene) -> Ledger:
         """List what of a scene is not exact; raises UnsupportedSceneError where nothing is."""
         return declarations.declare(picture.analyse(scene))
 

@@ -1,0 +1,183 @@
+"""What is to be said of each pixel of one lane's image, against the truth.
+
+In this order, each pixel in the first class that it fits (section 5 of the design):
+
+| class | the lane's value |
+|---|---|
+| ``equal`` | lies in the certified enclosure, give or take the lane's tolerance |
+| ``undecidable`` | is one of the possible ones where real arithmetic leaves the pixel open |
+| ``rounding`` | is what an honest renderer of the lane's arithmetic may return |
+| ``model`` | is neither, but both under the lane's declared habits: the ledger is proven here |
+| ``suspect`` | no sample of such arithmetic returns it, but the proof that none can is missing |
+| ``wrong`` | is impossible under the specification and under the declared habits |
+
+The tolerance is the lane's quantisation and 16 roundings of its colours. Only the pixels beyond it
+are looked at further, and habits are tried before rounding: they are the cheaper proof, and where
+habits alone explain a value its rounding is not in question. An undecidable pixel without an
+enclosure is ``undecidable`` whatever its value: the caps on that class are what bounds it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosstrace.translators.ledger import Arithmetic, Ledger
+from crosstrace.translators.native.conditioning import Conditioned, judge
+from crosstrace.translators.native.truth import Enclosures, certify
+from crosstrace.translators.scene import Scene
+
+#: Roundings of a colour that count as quantisation: sums of some lights, products of bounces.
+COLOR_UNITS = 16
+
+
+class Class(IntEnum):
+    """The classes; the names in a record are these in lower case."""
+
+    EQUAL = 0
+    ROUNDING = 1
+    UNDECIDABLE = 2
+    MODEL = 3
+    SUSPECT = 4
+    WRONG = 5
+
+
+NAMES = tuple(kind.name.lower() for kind in Class)
+
+
+@dataclass(frozen=True)
+class Classified:
+    """The classes of an image, (v_res, h_res), and what they rest on.
+
+    `tolerance` is the greatest difference on linear float that counts as none, (v_res, h_res);
+    `tolerance_at_one` the same of a pixel of value 1 or less.
+    """
+
+    classes: NDArray[np.uint8]
+    tolerance: NDArray[np.float64]
+    tolerance_at_one: float
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Pixels of each class by its name."""
+        numbers = np.bincount(self.classes.ravel(), minlength=len(NAMES))
+        return {name: int(n) for name, n in zip(NAMES, numbers, strict=True)}
+
+    def pixels(self, *kinds: Class) -> NDArray[np.bool_]:
+        """Say which pixels are of one of these classes, (v_res, h_res)."""
+        return np.asarray(np.isin(self.classes, kinds))
+
+
+def tolerance(
+    image: NDArray[np.float64], arithmetic: Arithmetic, half_step: float
+) -> NDArray[np.float64]:
+    """Return what counts as equal, pixel by pixel: quantisation, and roundings of the colours."""
+    largest = np.abs(image).max(axis=-1)
+    return np.asarray(half_step + COLOR_UNITS * arithmetic.color_unit * np.maximum(1.0, largest))
+
+
+def classify(
+    scene: Scene,
+    truth: Enclosures,
+    image: NDArray[np.float64],
+    ledger: Ledger,
+    *,
+    half_step: float = 0.0,
+    readings: Mapping[str, str] | None = None,
+    threads: int = 0,
+) -> Classified:
+    """Class every pixel of a lane's linear image (v_res, h_res, 3).
+
+    `truth` encloses the whole frame under `readings`. `half_step` is that of the lane's output.
+    """
+    shape = image.shape[:2]
+    finite = np.isfinite(image).all(axis=-1)
+    values = np.where(finite[..., None], image, 0.0)
+    slack = tolerance(values, ledger.arithmetic, half_step)
+    classes = np.full(shape, Class.WRONG, np.uint8)
+    fits = _fits(truth, values, slack) & finite
+    classes[fits & ~truth.undecidable] = Class.EQUAL
+    classes[fits & truth.undecidable] = Class.UNDECIDABLE
+    open_ = _Open(
+        scene, values.reshape(-1, 3), slack.ravel(), np.flatnonzero(~fits & finite),
+        ledger.arithmetic, threads,
+    )  # fmt: skip
+    flat = classes.reshape(-1)
+    habits = ledger.emulation
+    if habits is not None:
+        flat[open_.take_enclosed(habits.scene, habits.readings)] = Class.MODEL
+    judged = open_.judged(scene, readings)
+    explained = open_.pixels[judged == Conditioned.EXPLAINED]
+    flat[explained] = np.where(
+        truth.undecidable.ravel()[explained], Class.UNDECIDABLE, Class.ROUNDING
+    )
+    flat[open_.pixels[judged == Conditioned.SUSPECT]] = Class.SUSPECT
+    if habits is not None:
+        open_.keep(judged != Conditioned.EXPLAINED)
+        judged = open_.judged(habits.scene, habits.readings)
+        flat[open_.pixels[judged == Conditioned.EXPLAINED]] = Class.MODEL
+        flat[open_.pixels[judged == Conditioned.SUSPECT]] = Class.SUSPECT
+    at_one = half_step + COLOR_UNITS * ledger.arithmetic.color_unit
+    return Classified(classes, slack, at_one)
+
+
+def _fits(
+    known: Enclosures, values: NDArray[np.float64], slack: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Say which values lie in their enclosure, or in one alternative of an undecidable pixel.
+
+    Without an enclosure nothing speaks against a value.
+    """
+    fits = known.contains(values, slack)
+    enclosed = np.isfinite(known.lo).all(axis=-1)
+    return np.asarray(np.where(enclosed, known.fits_alternative(values, slack), fits))
+
+
+class _Open:
+    """The pixels that nothing has explained yet, by flat index, with their values and slack."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        values: NDArray[np.float64],
+        slack: NDArray[np.float64],
+        pixels: NDArray[np.intp],
+        arithmetic: Arithmetic,
+        threads: int,
+    ) -> None:
+        self.pixels = pixels
+        self._values, self._slack = values, slack
+        self._arithmetic, self._threads = arithmetic, threads
+
+    def keep(self, which: NDArray[np.bool_]) -> None:
+        """Go on with some of them."""
+        self.pixels = self.pixels[which]
+
+    def take_enclosed(self, scene: Scene, readings: Mapping[str, str]) -> NDArray[np.intp]:
+        """Take out and return the pixels whose value is certified under other readings."""
+        if not len(self.pixels):
+            return self.pixels
+        known = certify(scene, readings, pixels=self.pixels, threads=self._threads)
+        fits = _fits(known, self._values[self.pixels], self._slack[self.pixels])
+        taken = self.pixels[fits]
+        self.keep(~fits)
+        return taken
+
+    def judged(self, scene: Scene, readings: Mapping[str, str] | None) -> NDArray[Any]:
+        """Judge them as values of the lane's arithmetic, (n,) of `Conditioned`."""
+        if not len(self.pixels):
+            return np.zeros(0, np.uint8)
+        return judge(
+            scene,
+            self._values[self.pixels],
+            pixels=self.pixels,
+            arithmetic=self._arithmetic,
+            readings=readings,
+            slack=self._slack[self.pixels],
+            threads=self._threads,
+        )
