@@ -22,3 +22,22 @@ class Entry:
     fidelity: Fidelity
     bound: float | None = None
     objects: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """How a renderer rounds, as far as its values show it.
+
+    `unit` is the relative error of one operation on lengths and directions (2⁻²⁴ for float32, 2⁻⁵³
+    for double), `kappa` how many units its directions and hits carry, measured and not guessed,
+    `color_unit` the unit of its colours: POV-Ray intersects in double and keeps colours in float32.
+    """
+
+    unit: float
+    kappa: float
+    color_unit: float
+
+    @property
+    def error(self) -> float:
+        """The relative error of directions and hits."""
+        return self.kappa * self.unit
