@@ -60,7 +60,7 @@ static void store_outcome(IV3 c, ct_set_result *result) {
     if (memcmp(result->alternatives[i][0], lo, sizeof lo) == 0 &&
         memcmp(result->alternatives[i][1], hi, sizeof hi) == 0)
       return;
-  if (result->n_alternatives == CT_MAX_ALTERNATIVES) return;
+  if (result->n_alternatives == CT_ALTERNATIVES) return;
   memcpy(result->alternatives[result->n_alternatives][0], lo, sizeof lo);
   memcpy(result->alternatives[result->n_alternatives++][1], hi, sizeof hi);
 }

@@ -20,7 +20,7 @@ static VEC secondary(const WORLD *world, ct_pixel *pixel, const RAY *ray, const 
     return v_zero();
   }
   /* Of length 1 but for rounding, which would grow from bounce to bounce inside glass. */
-  direction = v_over(direction, v_length(direction));
+  direction = NUDGED(pixel, v_over(direction, v_length(direction)));
   RAY next = {offset_origin(world, ray, hit, direction, 0), direction, ray->depth + 1, 0, medium};
   /* A subtree has a hash of its own, so that subtrees may be traced in any order. */
   uint64_t subtree = 0;
@@ -87,6 +87,7 @@ static VEC FN(trace)(const WORLD *world, ct_pixel *pixel, const RAY *ray, SPLIT 
   SPLIT own = {v_zero(), v_zero(), v_zero(), v_zero(), v_zero(), v_zero()};
   if (ct_pixel_must_stop(pixel, ray->depth)) return v_zero();
   HIT hit = FN(nearest)(world, ray);
+  NUDGE_HIT(world, pixel, ray, &hit);
   *tree = ct_tree_mix(*tree, (uint64_t)(hit.object + 2));
   VEC color;
   if (hit.object >= 0)
