@@ -155,9 +155,10 @@ def judge(
             inside = seen.contains(values[part], slack=room[part])
             answer[part[inside]] = Conditioned.EXPLAINED
         left = np.flatnonzero(answer != Conditioned.EXPLAINED)
-    wrong = _outside_enclosure(
-        scene, values[left], pixels[left], arithmetic, readings, room[left], threads
-    )
+    wrong = impossible(
+        scene, values[left], pixels=pixels[left], error=arithmetic.error, readings=readings,
+        room=room[left], threads=threads,
+    )  # fmt: skip
     answer[left[wrong]] = Conditioned.WRONG
     return answer
 
@@ -169,17 +170,21 @@ def _spread(items: NDArray[np.intp], most: int) -> NDArray[np.intp]:
     return items[np.linspace(0, len(items) - 1, most).astype(np.intp)]
 
 
-def _outside_enclosure(
+def impossible(
     scene: Scene,
     values: Floats,
-    pixels: NDArray[np.int64],
-    arithmetic: Arithmetic,
-    readings: Mapping[str, str] | None,
+    *,
+    pixels: NDArray[np.integer[Any]],
+    error: float,
     room: Floats,
-    threads: int,
+    readings: Mapping[str, str] | None = None,
+    threads: int = 0,
 ) -> NDArray[np.bool_]:
-    """Say where no possible value lies within `room` of the given one, rigorously."""
-    known = certify(scene, readings, pixels=pixels, kappa=arithmetic.error, threads=threads)
+    """Say where no value that arithmetic with this relative error may return is near: rigorous.
+
+    Near is within `room` (n,) of the given values (n, 3).
+    """
+    known = certify(scene, readings, pixels=pixels, kappa=error, threads=threads)
     near = known.contains(values, room)
     # Where all outcomes are listed, a value between them is as wrong as one outside their hull.
     # A full list may be one cut short.
