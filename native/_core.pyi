@@ -43,6 +43,23 @@ def certify(
     for truth, else the relative error of the arithmetic under test. Raises as `render`.
     """
 
+def explain(
+    scene: tuple[Any, ...],
+    settings: list[tuple[str, str]],
+    row: int,
+    column: int,
+    capacity: int,
+    progress: Callable[[float], object] | None,
+    /,
+) -> tuple[list[tuple[Any, ...]], int, int, tuple[float, float, float]]:
+    """Record the rays of one pixel in double: (rays, how many there are, tree hash, colour).
+
+    The first `capacity` rays are in the list, depth first, each a tuple: kind, parent, depth,
+    object, light, margin_decision, margin_object, inside, total, weight, t_world, light_distance,
+    margin, then triples: origin, direction, point, normal, color, base, diffuse, specular, unsent;
+    clearance. Their meaning is that of `ct_ray_record`. Raises as `render`.
+    """
+
 def render(
     scene: tuple[Any, ...],
     settings: list[tuple[str, str]],

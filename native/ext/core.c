@@ -169,6 +169,8 @@ static PyMethodDef methods[] = {
     {"precisions", core_precisions, METH_NOARGS, "precisions() -> [name, ...], narrowest first"},
     {"check_reading", core_check_reading, METH_VARARGS,
      "check_reading(name, value) -> None or (expected, found)"},
+    {"explain", core_explain, METH_VARARGS,
+     "explain(scene tuple, settings, row, column, capacity, progress) -> tree; see _core.pyi"},
     {"render", core_render, METH_VARARGS,
      "render(scene tuple, settings, outputs, progress) -> stats; see _core.pyi"},
     {"certify", core_certify, METH_VARARGS,

@@ -67,6 +67,9 @@ static inline uint64_t ct_tree_mix(uint64_t hash, uint64_t value) {
 
 void ct_pixel_report(ct_pixel *pixel);
 
+/* Bytes of stack that a thread needs for trees of that depth. */
+size_t ct_kernel_stack(const ct_kernel *kernel, int64_t max_depth);
+
 /* Counts a ray, and says whether this thread is to give up: asked to, out of budget, too deep. */
 static inline int ct_pixel_must_stop(ct_pixel *pixel, int64_t depth) {
   pixel->n_rays++;
