@@ -3,7 +3,7 @@
  * plain kernels hence pay nothing, and the recorder traces by the very same text. */
 #ifndef CT_RECORDS
 #define ON_RAY(world, pixel, ray, hit) ((void)0)
-#define ON_RETURN(pixel, split, color) ((void)0)
+#define RETURNED(pixel, split, color) (color)
 #define ON_LIGHT(world, pixel, hit, j, cosine, lit, diffuse, is_specular, shine) ((void)0)
 #define ON_FEELER(world, pixel, ray, hit, j, origin, direction, limit) ((void)0)
 #define ON_SCATTER(world, pixel, ray, hit, scatter) ((void)0)
@@ -12,10 +12,10 @@
 #else
 #include "recorder.h"
 
-/* A ray has been traced to its hit; the same once all that follows from it is known. */
+/* A ray has been traced to its hit; and all that it returns is known. */
 #define ON_RAY(world, pixel, ray, hit) \
   const ct_open_ray parent_ray = record_ray(world, pixel, ray, hit)
-#define ON_RETURN(pixel, split, color) record_return(pixel, &parent_ray, split, color)
+#define RETURNED(pixel, split, color) record_return(pixel, &parent_ray, split, color)
 /* What light j is about to add to a hit, before it is asked whether anything blocks it. */
 #define ON_LIGHT record_light
 #define ON_FEELER record_feeler
@@ -27,8 +27,8 @@
 
 typedef struct FN(scatter) FN(scatter);
 static ct_open_ray record_ray(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit);
-static void record_return(ct_pixel *pixel, const ct_open_ray *parent, const SPLIT *split,
-                          VEC color);
+static VEC record_return(ct_pixel *pixel, const ct_open_ray *parent, const SPLIT *split,
+                         VEC color);
 static void record_light(const WORLD *world, ct_pixel *pixel, const HIT *hit, size_t j,
                          REAL cosine, int lit, VEC diffuse, int is_specular, REAL shine);
 static void record_feeler(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit,

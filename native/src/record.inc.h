@@ -39,8 +39,8 @@ static ct_open_ray record_ray(const WORLD *world, ct_pixel *pixel, const RAY *ra
   return parent;
 }
 
-static void record_return(ct_pixel *pixel, const ct_open_ray *parent, const SPLIT *split,
-                          VEC color) {
+static VEC record_return(ct_pixel *pixel, const ct_open_ray *parent, const SPLIT *split,
+                         VEC color) {
   ct_recorder *r = recorder_of(pixel);
   ct_ray_record *record = open_record(r);
   v_store(split->base, record->base);
@@ -48,6 +48,7 @@ static void record_return(ct_pixel *pixel, const ct_open_ray *parent, const SPLI
   v_store(split->specular, record->specular);
   v_store(color, record->color);
   r->open = *parent;
+  return color;
 }
 
 static void record_light(const WORLD *world, ct_pixel *pixel, const HIT *hit, size_t j,

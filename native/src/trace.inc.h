@@ -103,7 +103,5 @@ static VEC FN(trace)(const WORLD *world, ct_pixel *pixel, const RAY *ray, SPLIT 
   else
     color = v_zero();
   if (split) *split = own;
-  color = limit_returned(world, color);
-  ON_RETURN(pixel, &own, color);
-  return color;
+  return RETURNED(pixel, &own, limit_returned(world, color));
 }
