@@ -123,6 +123,11 @@ CT_API ct_status ct_options_set_precision(ct_options *options, const char *name,
 /* nearest (the default), up, down or zero: the processor's rounding mode while rays are traced, to
  * see how many digits rounding costs. f32, f64 and f80 only: ct_render refuses it elsewhere. */
 CT_API ct_status ct_options_set_rounding(ct_options *options, const char *mode, ct_fault *fault);
+/* The most that may be used of the processor's instruction sets: generic, fma, avx2, avx512, each
+ * of which holds those before it, or native (the default), all that there is. A cap above what the
+ * processor has is no error. Every set gives the same bits; fewer are slower. */
+CT_API ct_status ct_options_set_instructions(ct_options *options, const char *most,
+                                             ct_fault *fault);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
@@ -142,6 +147,9 @@ CT_API const char *ct_reading_values(size_t index);
  *   dd    double-double, 106 bits
  *   f128  __float128, 113 bits */
 CT_API const char *ct_precision_name(size_t index);
+
+/* The instruction sets that this processor has, "generic" first; NULL past the end. */
+CT_API const char *ct_instructions_name(size_t index);
 
 /* ---- Rendering ---- */
 

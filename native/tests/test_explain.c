@@ -6,6 +6,7 @@
 
 #include "check.h"
 #include "crosstrace.h"
+#include "test_options.h"
 
 enum { SIDE = 21, MOST = 4096 };
 
@@ -56,7 +57,7 @@ static void tree_is_that_of_the_renderer(const char *name, const char *value) {
   ct_fault fault;
   ct_scene *scene = read_scene(scene_text);
   ct_scene_view view = ct_scene_data(scene);
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   if (name) CHECK(ct_options_set(options, name, value, &fault) == CT_OK);
   ct_outputs out = {.image = image, .tree = trees, .rays = counts};
   CHECK(ct_render(&view, options, &out, NULL, NULL, NULL) == CT_OK);
@@ -85,7 +86,7 @@ static ct_pixel_tree explain(const char *text, const char *name, const char *val
   ct_pixel_tree tree;
   ct_scene *scene = read_scene(text);
   ct_scene_view view = ct_scene_data(scene);
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   if (name) CHECK(ct_options_set(options, name, value, &fault) == CT_OK);
   memset(rays, 0xff, sizeof rays);
   CHECK(ct_explain(&view, options, 0, 0, rays, MOST, &tree, NULL, NULL) == CT_OK);
@@ -248,7 +249,7 @@ static void what_is_refused(void) {
   ct_pixel_tree tree;
   ct_scene *scene = read_scene(scene_text);
   ct_scene_view view = ct_scene_data(scene);
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   CHECK(ct_explain(&view, options, SIDE, 0, rays, MOST, &tree, NULL, NULL) == CT_ERR_ARGUMENT);
   CHECK(ct_explain(&view, options, 0, -1, rays, MOST, &tree, NULL, NULL) == CT_ERR_ARGUMENT);
   CHECK(ct_explain(&view, options, 0, 0, NULL, 1, &tree, NULL, NULL) == CT_ERR_ARGUMENT);
