@@ -58,6 +58,7 @@ int call_raise(ct_status status);
 
 PyObject *core_certify(PyObject *module, PyObject *arguments);
 PyObject *core_perturb(PyObject *module, PyObject *arguments);
+PyObject *core_explain(PyObject *module, PyObject *arguments);
 PyObject *core_render(PyObject *module, PyObject *arguments);
 
 #endif

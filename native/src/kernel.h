@@ -57,8 +57,9 @@ typedef struct ct_kernel {
   void (*pixel)(const void *world, int64_t row, int64_t column, ct_pixel *pixel);
 } ct_kernel;
 
-/* The kernel of a precision: index from 0, narrowest first; NULL past the last that exists here. */
-const ct_kernel *ct_precision_kernel(size_t index);
+/* The kernel of a precision: index from 0, narrowest first; NULL past the last that exists here.
+ * `cap` is the most of the processor's instruction sets that it may use. */
+const ct_kernel *ct_precision_kernel(size_t index, ct_instructions cap);
 
 /* The finaliser of splitmix64 (Steele, Lea and Flood 2014) over a running hash: decisions in
  * depth-first order give one number for the tree. */

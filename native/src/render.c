@@ -119,7 +119,7 @@ ct_status ct_render(const ct_scene_view *view, const ct_options *options,
   int64_t end = options->row_end ? options->row_end : view->v_res;
   if (options->row_begin < 0 || options->row_begin >= end || end > view->v_res)
     return CT_ERR_ARGUMENT;
-  const ct_kernel *kernel = ct_precision_kernel(options->precision);
+  const ct_kernel *kernel = ct_precision_kernel(options->precision, options->instructions);
   if (options->rounding != CT_ROUND_NEAREST && !kernel->takes_rounding) return CT_ERR_OPTION;
   ct_machine_state caller = ct_machine_enter();
   ct_frame frame;
