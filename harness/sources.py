@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -20,18 +20,28 @@ COURSE, HARD = "course", "hard"
 
 @dataclass(frozen=True)
 class Source:
-    """A scene under the name by which a report tells it from others; `title` may be empty."""
+    """A scene under the name by which a report tells it from others; `title` may be empty.
+
+    `stable` is what the index of a packaged scene promises of each precision
+    (translators/native/thresholds.py).
+    """
 
     name: str
     scene: Scene
     title: str = ""
     about: str = ""
     packaged: bool = False
+    stable: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 def packaged_names() -> tuple[str, ...]:
     """Return the names of the packaged course scenes, in the order of their index."""
     return tuple(_index(COURSE))
+
+
+def hard_names() -> tuple[str, ...]:
+    """Return the names of the packaged hard scenes, in the order of their index."""
+    return tuple(_index(HARD))
 
 
 def find(
@@ -93,7 +103,8 @@ def _packaged(name: str) -> tuple[str, dict[str, Any]] | None:
 
 def _titled(name: str, scene: Scene, collection: str, entry: dict[str, Any]) -> Source:
     title, about = entry.get("title", entry.get("family", "")), entry.get("about", "")
-    return Source(name, scene, title, about, packaged=collection == COURSE)
+    stable = entry.get("stable", {})
+    return Source(name, scene, title, about, packaged=collection == COURSE, stable=stable)
 
 
 def _sources(text: str, delivery: int | None) -> list[Source]:
