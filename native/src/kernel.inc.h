@@ -15,6 +15,7 @@
 #include "perturb.inc.h"
 #else
 #define NUDGED(pixel, direction) ((void)(pixel), (direction))
+#define IS_NUDGED(pixel) 0
 #define NUDGE_HIT(world, pixel, ray, hit) ((void)0)
 #endif
 #include "light.inc.h"
@@ -77,7 +78,7 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
   RAY ray = FN(primary)(world, pixel, row, column);
   SPLIT split;
   ct_medium around[CT_MEDIA_AROUND_EYE];
-  if (world->choice[CT_NESTING] == CT_NESTING_TRACKED)
+  if (world->choice[CT_NESTING] != CT_NESTING_RELATIVE)
     ray.medium = ct_media_around_eye(world->view, around);
   VEC color = FN(trace)(world, pixel, &ray, &split, &pixel->tree);
   v_store(color, pixel->color);

@@ -76,7 +76,7 @@ static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
     if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
         world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
       continue;
-    if (at_light && ct_light_is_on(world->frame, j, i)) {
+    if (at_light && !IS_NUDGED(pixel) && ct_light_is_on(world->frame, j, i)) {
       if (blocks_own_light(world, i, origin, direction, reach, limit)) return 1;
       continue;
     }

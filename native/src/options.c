@@ -35,7 +35,7 @@ static const struct {
     [CT_EXHAUSTED] = {"exhausted", "black", "black|background"},
     [CT_MISS] = {"miss", "background", "background|black"},
     [CT_SIDE] = {"refraction", "relative", "relative|inverted|one-way"},
-    [CT_NESTING] = {"nesting", "relative", "relative|tracked"},
+    [CT_NESTING] = {"nesting", "relative", "relative|tracked|interiors"},
     [CT_TIR] = {"tir", "replace", "replace|ignore|add|plus-one|needs-kr|always"},
     [CT_INNER_REFLECTION] = {"inner_reflection", "on", "on|off"},
     [CT_RECURSION] = {"recursion", "free", "free|clamp|scale"},

@@ -22,6 +22,9 @@ static inline VEC nudged(ct_pixel *pixel, VEC a, REAL scale) {
 
 #define NUDGED(pixel, direction) nudged(pixel, direction, from_double(1))
 
+/* Where rounding is under test, nothing is decided exactly: that a light lies on a surface. */
+#define IS_NUDGED(pixel) ((pixel)->error > 0)
+
 /* Moves a hit, and with it the normal of a sphere. */
 static inline void nudge_hit(const WORLD *world, ct_pixel *pixel, const RAY *ray, HIT *hit) {
   if (hit->object < 0 || !(pixel->error > 0)) return;

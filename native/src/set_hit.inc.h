@@ -223,7 +223,7 @@ static shadow_answer find_blocker(STATE *s, const RAY *ray, size_t j, const IV *
         world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
       continue;
     if (limit && world->choice[CT_OFFSET] != CT_OFFSET_MITSUBA &&
-        ct_light_is_on(world->frame, j, i)) {
+        !(world->kappa > 0) && ct_light_is_on(world->frame, j, i)) {
       shadow_answer own = own_light_blocked(world, i, ray, *reach, *limit);
       if (own == SHADOW_SURE) return own;
       if (own == SHADOW_POSSIBLE) answer = own;
