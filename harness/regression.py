@@ -7,86 +7,24 @@ golden was made, unless its verdict needs somebody's reason first.
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor, Future
-from contextlib import ExitStack
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from crosstrace.harness import changes, colormap, fingerprint, goldens, images, outcome, record
+from crosstrace.harness import outcome
 from crosstrace.harness.changes import Change
-from crosstrace.harness.fingerprint import Difference, Fingerprint
-from crosstrace.harness.goldens import Golden, Reference
-from crosstrace.harness.jobs import Task, WorkerPool, available_cores
-from crosstrace.harness.lanes import REFERENCE
-from crosstrace.harness.names import slug
-from crosstrace.harness.schedule import Event
-from crosstrace.harness.session import RunOptions, run
+from crosstrace.harness.goldens import Reference
+from crosstrace.harness.remeasure import Measured, Observer, is_packaged, measure
+from crosstrace.harness.session import RunOptions
 from crosstrace.harness.sources import Source
-from crosstrace.translators.errors import RendererError, UsageError
+from crosstrace.translators.errors import UsageError
 
 SCHEMA = "crosstrace-check/1"
 
 #: The reason of a golden that a check has made.
 CREATED = "made by a check, as there was none"
-
-Observer = Callable[[Event], None]
-
-
-@dataclass(frozen=True)
-class _Measured:
-    """A scene as it came out today, and its golden if there is one."""
-
-    source: Source
-    record: Mapping[str, Any]
-    environment: Mapping[str, Any]
-    classes: Mapping[str, NDArray[np.uint8]]
-    taken: Fingerprint | RendererError
-    differences: Sequence[Difference]
-    golden: Golden | None
-
-    @property
-    def departs(self) -> bool:
-        """Whether the verdict is neither good nor what the scene's index expects."""
-        return outcome.outcome(self.record) == "departs"
-
-    def changes(self) -> list[Change]:
-        """Return what changed since the golden; nothing without one."""
-        if self.golden is None:
-            return []
-        return changes.find(
-            self.golden, self.record, self.classes, self.differences, self.environment
-        )
-
-    def accepted(self, reason: str) -> Golden:
-        """Return today's result, which is complete, as a golden."""
-        if isinstance(self.taken, RendererError):
-            raise self.taken
-        return goldens.made(
-            self.record, self.environment, self.taken, self.classes, reason, self.golden
-        )
-
-    def absent(self) -> list[dict[str, str]]:
-        """Say which lanes left the scene incomplete: those without an image or a judgement."""
-        then = self.golden.lanes if self.golden else {}
-        lanes = []
-        if isinstance(self.taken, RendererError):
-            lanes.append(
-                {"lane": REFERENCE, "status": "failed", "message": record.told(self.taken)}
-            )
-        for lane in self.record["renderers"]:
-            name, status = lane["name"], lane["status"]
-            known = status == "unsupported" == then.get(name, lane)["status"]
-            if not known and (status != "ok" or lane["classes"]["equal"] is None):
-                status = "not judged" if status == "ok" else status
-                why = lane["message"] or self.record["judgement"]["message"]
-                lanes.append({"lane": name, "status": status, "message": why})
-        return lanes
 
 
 def check(
@@ -104,7 +42,7 @@ def check(
     is made where the folder can be written, and the check fails all the same. Raises UsageError for
     a golden that cannot be read.
     """
-    report, measured = _measure(sources, reference, options, out, events, executor)
+    report, measured = measure(sources, reference, options, out, events, executor)
     scenes = [_checked(one, reference) for one in measured]
     statuses = {scene["status"] for scene in scenes}
     status = next(word for word in ("fail", "incomplete", "pass") if word in statuses)
@@ -144,7 +82,7 @@ def bless(
     if not (reason := " ".join(reason.split())):
         raise UsageError("expected a reason for accepting new results, found none")
     reference.check_writable()
-    _, measured = _measure(sources, reference, options, None, events, executor)
+    _, measured = measure(sources, reference, options, None, events, executor)
     return [_blessed(one, reference, reason) for one in measured]
 
 
@@ -153,7 +91,7 @@ def told(absent: Sequence[Mapping[str, str]]) -> str:
     return "; ".join(f"{lane['lane']} {lane['status']}: {lane['message']}" for lane in absent)
 
 
-def _blessed(one: _Measured, reference: Reference, reason: str) -> dict[str, Any]:
+def _blessed(one: Measured, reference: Reference, reason: str) -> dict[str, Any]:
     found = one.changes()
     done: dict[str, Any] = {
         "name": one.source.name,
@@ -173,14 +111,14 @@ def _blessed(one: _Measured, reference: Reference, reason: str) -> dict[str, Any
     return {**done, "status": "blessed" if one.golden else "new", "message": reason, "bytes": size}
 
 
-def _checked(one: _Measured, reference: Reference) -> dict[str, Any]:
+def _checked(one: Measured, reference: Reference) -> dict[str, Any]:
     absent = one.absent()
     if one.golden is None:
         found = [_missing_golden(one, reference, absent)]
     else:
         found = one.changes()
         # A scene without an index is to be as it was accepted, whatever that was.
-        if one.departs and _is_packaged(one.source):
+        if one.departs and is_packaged(one.source):
             found.insert(0, Change("verdict", _departure(one.record), True))
     fails = any(change.fails for change in found)
     return {
@@ -206,7 +144,7 @@ def _checked(one: _Measured, reference: Reference) -> dict[str, Any]:
     }
 
 
-def _missing_golden(one: _Measured, reference: Reference, absent: Sequence[Any]) -> Change:
+def _missing_golden(one: Measured, reference: Reference, absent: Sequence[Any]) -> Change:
     """Make a golden of a scene that has none, if nobody has to answer for it."""
     if absent:
         text = "there is no golden, and none can be made without every renderer"
@@ -228,89 +166,3 @@ def _departure(scene: Mapping[str, Any]) -> str:
     expected = outcome.applying(scene)
     wanted = "agree or explained" if expected is None else expected["verdict"]
     return f"the scene's index expects {wanted}, found {scene['verdict']}"
-
-
-def _is_packaged(source: Source) -> bool:
-    return source.scene.path.startswith("crosstrace:")
-
-
-def _measure(
-    sources: Sequence[Source],
-    reference: Reference,
-    options: RunOptions | None,
-    out: Path | None,
-    events: Observer | None,
-    executor: Executor | None,
-) -> tuple[dict[str, Any], list[_Measured]]:
-    options = options or RunOptions()
-    _check_names(sources, reference)
-    # Before anything is rendered, and a golden that cannot be read ends it here.
-    known = [reference.read(source.name) for source in sources]
-    slots = options.jobs or available_cores()
-    threads = options.threads or (1 if slots > 1 else 0)
-    with ExitStack() as stack:
-        scratch = tempfile.TemporaryDirectory(prefix="crosstrace-", ignore_cleanup_errors=True)
-        where = Path(stack.enter_context(scratch)) / "report" if out is None else out
-        pool = executor or stack.enter_context(WorkerPool(slots, threads=threads))
-        # Of the last rank: done where a worker is idle, otherwise at the end.
-        task = Task(fingerprint.take_and_compare, "judge", 1 << 30, options.timeout_s,
-                    "the native fingerprint")  # fmt: skip
-        jobs = [
-            pool.submit(task, source.scene, _comparable(golden, source), threads)
-            for source, golden in zip(sources, known, strict=True)
-        ]
-        report = run(sources, where, options, events=events, executor=pool)
-        measured = [
-            _Measured(source, scene, report["environment"], _classes(scene, where),
-                      *_fingerprint(job), golden)
-            for source, scene, golden, job in zip(
-                sources, report["scenes"], known, jobs, strict=True
-            )
-        ]  # fmt: skip
-    return report, measured
-
-
-def _fingerprint(job: Future[Any]) -> tuple[Fingerprint | RendererError, Sequence[Difference]]:
-    try:
-        taken, differences = job.result()
-    except RendererError as error:
-        return error, []
-    return taken, differences
-
-
-def _comparable(golden: Golden | None, source: Source) -> Fingerprint | None:
-    same = golden is not None and golden.about["scene"]["sha256"] == source.scene.sha256
-    return golden.fingerprint if golden is not None and same else None
-
-
-def _check_names(sources: Sequence[Source], reference: Reference) -> None:
-    """Refuse scenes that would share a golden, and strangers in the packaged folder."""
-    if not sources:
-        raise UsageError("expected scenes, found none")
-    taken: dict[str, str] = {}
-    for source in sources:
-        name = source.scene.name
-        file = slug(name, set()).lower()
-        if source.name != name or file in taken:
-            other = taken.get(file, name)
-            raise UsageError(f"expected one scene a golden, found two: {other} and {source.name}")
-        taken[file] = name
-        if reference.packaged and not _is_packaged(source):
-            raise UsageError(
-                f"{name}: expected --reference with a folder for the goldens of your own scenes"
-            )
-
-
-def _classes(scene: Mapping[str, Any], root: Path) -> dict[str, NDArray[np.uint8]]:
-    """Read the classes of every judged lane back from the report's pictures."""
-    found = {}
-    for lane in scene["renderers"]:
-        if lane["classes"]["equal"] is None:
-            continue
-        picture = lane["images"].get("classes")
-        if picture is None:
-            found[lane["name"]] = np.zeros((scene["v_res"], scene["h_res"]), np.uint8)
-        else:
-            pixels = np.rint(images.read(root / picture["file"]) * 255).astype(np.uint8)
-            found[lane["name"]] = colormap.classes_of_picture(pixels)
-    return found
