@@ -27,6 +27,10 @@ settings = click.option(
 renderers = click.option(
     "--renderers", metavar="A,B", help="Only these, out of native,mitsuba,mitsuba-f64,povray."
 )
+reference = click.option(
+    "--reference", metavar="DIR", type=click.Path(path_type=Path),
+    help="A folder of goldens of your own, beside your scenes if you like.",
+)  # fmt: skip
 precision = click.option(
     "--precision", default="f64", show_default=True, help="Arithmetic of native."
 )
@@ -58,6 +62,19 @@ def one_scene(text: str, delivery: int | None, size: tuple[int, int] | None) -> 
     from crosstrace.harness.sources import find_one
 
     return find_one(text, delivery=delivery, size=size)
+
+
+def suite(
+    texts: Iterable[str],
+    reference: Path | None,
+    delivery: int | None,
+    size: tuple[int, int] | None,
+) -> list[Source]:
+    """Read the scenes of a regression suite: named, or all of its folder, or all packaged ones."""
+    from crosstrace.harness.sources import all_packaged_names, find
+
+    named = list(texts) or ([str(reference)] if reference else all_packaged_names())
+    return find(named, delivery=delivery, size=size)
 
 
 def one_lane(text: str) -> str:

@@ -44,6 +44,9 @@ def check_precision(precision: str) -> None:
         raise UsageError(f"precision: expected one of {', '.join(present)}, found {precision!r}")
 
 
+#: What the native library was compiled with.
+COMPILER = _core.compiler
+
 #: Of the default precision.
 ARITHMETIC = Arithmetic(unit=2.0**-53, kappa=4.0, color_unit=2.0**-53)
 
