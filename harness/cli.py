@@ -27,6 +27,7 @@ COMMANDS = {
     "translate": "Write a scene in another renderer's own language.",
     "compare": "Compare two images in numbers.",
     "effects": "Say what a scene calls for, object by object.",
+    "stability": "Say how far the result can be trusted numerically.",
     "report": "Draw the page again from a report.json.",
     "doctor": "Say which renderers work here, and how to install what is missing.",
 }

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from crosstrace.translators.renderer import (
     Translation,
 )
 from crosstrace.translators.scene import Scene
+
+if TYPE_CHECKING:
+    from crosstrace.translators.native.stability import Stability
 
 
 def probe(lane: str) -> Probe:
@@ -42,6 +45,13 @@ def certify(scene: Scene, readings: Mapping[str, str]) -> dict[str, NDArray[Any]
 
     known = enclose(scene, readings)
     return {"lo": known.lo, "hi": known.hi, "undecidable": known.undecidable}
+
+
+def stability(scene: Scene, threads: int) -> Stability:
+    """Measure a scene in every rung; see `crosstrace.translators.native.stability`."""
+    from crosstrace.translators.native.stability import measure
+
+    return measure(scene, threads=threads)
 
 
 def render(
