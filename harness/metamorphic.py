@@ -38,7 +38,7 @@ from crosstrace.harness.arithmetics import DOUBLE, Arithmetic, arithmetics
 from crosstrace.translators.errors import UnsupportedSceneError
 from crosstrace.translators.metamorphic import RELATIONS, Relation, view_error
 from crosstrace.translators.native.truth import certify
-from crosstrace.translators.renderer import Progress, Rendering, RenderOptions
+from crosstrace.translators.renderer import Rendering, RenderOptions
 from crosstrace.translators.scene import Scene
 
 Array = NDArray[np.float64]
@@ -67,9 +67,7 @@ class Outcome:
     note: str = ""
 
 
-def check(
-    lane: str, scene: Scene, options: RenderOptions, progress: Progress | None = None
-) -> list[Outcome]:
+def check(lane: str, scene: Scene, options: RenderOptions) -> list[Outcome]:
     """Render a scene and its changes, and compare; runs in a worker process.
 
     `options` give threads and time limit. Raises what the lane raises.
@@ -78,7 +76,7 @@ def check(
     enclose = _Encloser(options.threads)
     base = {way.precision: _render(way, scene, options, {}) for way in ways}
     outcomes = []
-    for done, relation in enumerate(RELATIONS, 1):
+    for relation in RELATIONS:
         changed = relation.apply(scene)
         for way in ways:
             readings = relation.readings if lane == "native" else {}
@@ -91,8 +89,6 @@ def check(
                 continue
             pair = _Pair(relation, way, scene, changed, base[way.precision], made, readings)
             outcomes.append(_judge(pair, enclose))
-        if progress is not None:
-            progress(done / len(RELATIONS))
     return outcomes
 
 
