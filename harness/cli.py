@@ -30,6 +30,7 @@ COMMANDS = {
     "check": "Render scenes again and hold them against their goldens.",
     "bless": "Accept new results as goldens, with a reason.",
     "effects": "Say what a scene calls for, object by object.",
+    "stability": "Say how far the result can be trusted numerically.",
     "report": "Draw the page again from a report.json.",
     "doctor": "Say which renderers work here, and how to install what is missing.",
 }

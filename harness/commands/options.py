@@ -108,6 +108,14 @@ def check_target(path: Path) -> None:
         raise UsageError(f"{path}: cannot be written: there is no directory {path.parent}")
 
 
+def check_directory(path: Path) -> None:
+    """Raise UsageError, before any work is done, where a directory cannot be."""
+    from crosstrace.translators.errors import UsageError
+
+    if path.exists() and not path.is_dir():
+        raise UsageError(f"{path}: expected a directory, found a file")
+
+
 def _as_size(_: click.Context, __: click.Parameter, value: str | None) -> tuple[int, int] | None:
     if value is None:
         return None
