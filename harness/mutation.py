@@ -33,7 +33,7 @@ Judge = Callable[[Source, Mapping[str, Rendering], str], tuple[bool, bool]]
 
 
 class Court:
-    """The judge of a run: caught is any verdict but a good one, blamed is that lane and no other."""
+    """The judge of a run: caught is any bad verdict, blamed is that lane and no other."""
 
     def __init__(self, threads: int = 0) -> None:
         """Begin with no truth known; that of a scene is kept for the next fault in it."""

@@ -28,8 +28,8 @@ from crosstrace.translators.scene import Scene
 
 if TYPE_CHECKING:
     from crosstrace.translators.native.explain import PixelTree
-    from crosstrace.translators.native.truth import Enclosures
     from crosstrace.translators.native.stability import Stability
+    from crosstrace.translators.native.truth import Enclosures
 
 
 def probe(lane: str) -> Probe:

@@ -73,7 +73,7 @@ def _print(report: dict[str, Any], output: Path, quiet: bool) -> None:
         header, rows, numbers = summary.by_lane(report)
         console.table(header, rows, right=numbers)
         console.result("")
-    for line in summary.verdicts(report):
+    for line in summary.verdicts(report, only_departing=quiet):
         console.result(line)
     for line in summary.failures(report):
         console.result(line)

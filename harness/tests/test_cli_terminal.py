@@ -66,7 +66,7 @@ def test_elsewhere_than_on_a_terminal_lines_are_plain_and_short(tmp_path: Path) 
     assert done.returncode == 0
     assert "\x1b" not in done.stdout + done.stderr
     assert max(map(len, done.stdout.splitlines())) <= 80
-    assert "[3/3] " in done.stderr
+    assert "[4/4] " in done.stderr
 
 
 def test_quiet_is_silent(tmp_path: Path) -> None:
