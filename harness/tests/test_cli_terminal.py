@@ -46,7 +46,7 @@ def test_a_terminal_gets_a_bar_and_colours(tmp_path: Path) -> None:
     status, shown = on_terminal(*words)
     assert status == 0
     assert COLOR.search(shown)
-    assert b"1/1" in shown
+    assert b"2/2" in shown
 
 
 def test_no_color_takes_the_colours_away(tmp_path: Path) -> None:
