@@ -16,10 +16,6 @@ from crosstrace.translators.metamorphic import RELATIONS, Relation, scaled, tran
 from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene
 
-#: Where an honest float32 image leaves its inflated enclosure: the certified kernel meets the near
-#: root of a large sphere with c / far, whose c is not widened by the arithmetic's error.
-TOO_NARROW = {"acne", "ground-1e6"}
-
 
 def scene(name: str) -> Scene:
     found = find_one(name).scene
@@ -48,13 +44,8 @@ def test_native_keeps_its_picture_in_every_precision(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", hard_names())
-def test_native_keeps_its_picture_of_the_hard_scenes(
-    name: str, request: pytest.FixtureRequest
-) -> None:
+def test_native_keeps_its_picture_of_the_hard_scenes(name: str) -> None:
     """All relations hold on every hard scene and precision."""
-    if name in TOO_NARROW:
-        reason = "float32 leaves its inflated enclosures of large spheres"
-        request.applymarker(pytest.mark.xfail(strict=True, reason=reason))
     assert broken(check("native", scene(name), RenderOptions())) == []
 
 
