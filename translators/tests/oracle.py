@@ -146,7 +146,11 @@ class _Tracer:
         for weight, w, crossing in ((kr, reflected, False), (kt, refracted, True)):
             start = world.shifted(hits.p, hits.n, w, step)
             for sent, inside_of in self.groups(weight > 0, hits, inner, crossing):
-                back, _, _, surely = self.trace(start[sent], w[sent], hits.depth + 1, inside_of)
+                way, depth = w[sent], hits.depth + 1
+                if crossing and self.passes(hits.inside_of, inside_of):
+                    way, depth = -hits.wo[sent], hits.depth
+                    start = world.shifted(hits.p, hits.n, -hits.wo, step)
+                back, _, _, surely = self.trace(start[sent], way, depth, inside_of)
                 color[sent] += weight[sent][:, None] * back
                 margin[sent] = np.minimum(margin[sent], surely)
         return color, margin
@@ -166,16 +170,32 @@ class _Tracer:
     def ratio(self, hits: Hits, inner: Floats) -> Floats:
         """Index of the side that the ray goes to over that of the side it comes from."""
         world, i = self.world, hits.i
-        if world.readings.nesting == "tracked":
+        if world.readings.nesting != "relative":
             found = np.empty(len(i), world.kind)
             for k in np.unique(i):
+                leaves = self.leaves(hits, int(k), inner)
                 for leaving in (False, True):
                     after = crossed(hits.inside_of, int(k), leaving)
-                    index = [world.n[x[-1]] if x else 1 for x in (after, hits.inside_of)]
-                    found[(i == k) & (inner == leaving)] = index[0] / index[1]
+                    change = self.index_in(after) / self.index_in(hits.inside_of)
+                    found[(i == k) & (leaves == leaving)] = change
             return found
         n = 1 / world.n[i] if world.readings.refraction == "inverted" else world.n[i]
         return n if world.readings.refraction == "one-way" else np.where(inner, 1 / n, n)
+
+    def leaves(self, hits: Hits, k: int, inner: Floats) -> Floats:
+        """Say of each hit whether it leaves k: by its side, or by the list of interiors."""
+        if self.world.readings.nesting == "interiors":
+            return np.full(len(inner), k in hits.inside_of)
+        return inner
+
+    def index_in(self, inside_of: tuple[int, ...]) -> Floats:
+        """Return the index of the last thing in the list; the world's is 1."""
+        return self.world.n[inside_of[-1]] if inside_of else self.world.kind(1)
+
+    def passes(self, before: tuple[int, ...], after: tuple[int, ...]) -> bool:
+        """Say whether a crossing is no bounce."""
+        change = self.index_in(after) / self.index_in(before) - 1
+        return self.world.readings.nesting == "interiors" and bool(abs(change) < 1e-10)
 
     def groups(
         self, sent: Floats, hits: Hits, inner: Floats, crossing: bool
@@ -185,8 +205,9 @@ class _Tracer:
             return [(sent, hits.inside_of)] if sent.any() else []
         found = []
         for k in np.unique(hits.i[sent]):
+            leaves = self.leaves(hits, int(k), inner)
             for leaving in (False, True):
-                group = sent & (hits.i == k) & (inner == leaving)
+                group = sent & (hits.i == k) & (leaves == leaving)
                 if group.any():
                     found.append((group, crossed(hits.inside_of, int(k), leaving)))
         return found

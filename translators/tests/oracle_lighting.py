@@ -56,8 +56,11 @@ def in_shadow(world: World, hits: Hits, light: Floats, wanted: Floats) -> tuple[
         # ε may reach past the light: then nothing lies between, and l keeps its direction.
         limit = np.sqrt(dot(towards, towards)) - world.step
         d = unit(towards)
-    elif world.readings.offset == "mitsuba":
+    reach = limit
+    if world.readings.offset == "mitsuba":
         limit = limit * (1 - SHADOW_EPSILON)
+    if world.readings.light_min:
+        limit = np.minimum(limit, reach - world.readings.light_min)
     if world.readings.shadow_distance == "ignored":
         limit = np.full_like(limit, np.inf)
     clear = world.readings.glass_shadow == "clear"

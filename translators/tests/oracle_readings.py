@@ -17,6 +17,10 @@ Where the table of readings leaves room, the oracle takes the plainest meaning:
   carries the list of objects that it entered and has not left, and is in the last one; at the eye,
   the list is of the transparent objects that contain it, half-spaces first, then spheres from large
   to small. Crossing goes from the index of the last in the list before to that of the last after.
+- `nesting=interiors`: the same list, but a ray leaves an object if the list holds it, whatever the
+  side. Where the index stays the same within 1e-10, the ray goes straight on at the same depth; it
+  is sent only where a bounce would be.
+- `index=float32`: each n is rounded to float32, and one that becomes 1 is the next float above it.
 - `tir=…` with Δ < 0: kt acts as 0, and kr as itself (`ignore`), kr + kt (`add`), kr + 1
   (`plus-one`), 1 where kr > 0 and else 0 (`needs-kr`); `always`:
   the default rule, where kt = 0 too.
@@ -24,7 +28,7 @@ Where the table of readings leaves room, the oracle takes the plainest meaning:
 - `recursion=clamp` and `scale` act on what every ray returns, the primary ray too.
 - `mix=convex`: with the kr and kt that act, thus after total reflection, at the last depth too.
 - `shadow_min` and `far` (world units, 0: none): blockers at or below the one, and any hit beyond
-  the other, do not exist.
+  the other, do not exist. `light_min`: nor do blockers that are nearer than this to the light.
 - `offset=bound` is an implementation's own and is not offered.
 """
 
@@ -47,10 +51,11 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "exhausted": ("nothing", "background"),
     "miss": ("background", "black"),
     "refraction": ("as-given", "inverted", "one-way"),
-    "nesting": ("relative", "tracked"),
+    "nesting": ("relative", "tracked", "interiors"),
     "tir": ("full", "ignore", "add", "plus-one", "needs-kr", "always"),
     "inner_reflection": ("on", "off"),
     "recursion": ("none", "clamp", "scale"),
+    "index": ("exact", "float32"),
     "overflow": ("scale", "clamp"),
     "quantise": ("truncate", "round"),
 }
@@ -79,9 +84,11 @@ class Readings:
     tir: str = "full"
     inner_reflection: str = "on"
     recursion: str = "none"
+    index: str = "exact"
     overflow: str = "scale"
     quantise: str = "truncate"
     shadow_min: float = 0.0
+    light_min: float = 0.0
     far: float = 0.0
 
     def __post_init__(self) -> None:

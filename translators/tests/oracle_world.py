@@ -47,6 +47,10 @@ class World:
         )
         # Without refraction n means nothing and may be 0: any positive number serves.
         self.n = np.where(self.n > 0, self.n, 1)
+        if readings.index == "float32":
+            single = self.n.astype(np.float32)
+            above = np.nextafter(np.float32(1), np.float32(2))
+            self.n = np.where(single == 1, above, single).astype(kind)
         self.on_surface = [lies_on(numbers.eye, thing) for thing in self.things]
         change = {"as-given": 0, "minus-one": -1, "plus-one": 1}[readings.depth]
         self.max_depth = max(0, numbers.max_depth + change) if numbers.delivery == 3 else 0

@@ -55,9 +55,10 @@ READINGS = [
     ("offset", "normal"), ("offset", "mitsuba"), ("epsilon_twice", "yes"), ("epsilon", "1e-3"),
     ("depth", "minus-one"), ("depth", "plus-one"), ("exhausted", "background"), ("miss", "black"),
     ("refraction", "inverted"), ("refraction", "one-way"), ("nesting", "tracked"),
+    ("nesting", "interiors"), ("index", "float32"),
     ("tir", "ignore"), ("tir", "add"), ("tir", "plus-one"), ("tir", "needs-kr"), ("tir", "always"),
     ("inner_reflection", "off"), ("recursion", "clamp"), ("recursion", "scale"),
-    ("shadow_min", "0.5"), ("far", "7"),
+    ("shadow_min", "0.5"), ("light_min", "2"), ("far", "7"),
 ]  # fmt: skip
 
 
@@ -73,7 +74,9 @@ def test_a_reading_means_the_same_to_both(
     numbers = [oracle.plain(scene) for scene in scenes]
     changed = [oracle.render(x, **{name: value}).image - oracle.render(x).image for x in numbers]
     # How far rays start from the surface shows at edges alone, which these few pixels can miss.
-    if name not in ("offset", "epsilon", "epsilon_twice"):
+    if name == "index":
+        assert max(np.abs(change).max() for change in changed) > 1e-9  # a float's share of n
+    elif name not in ("offset", "epsilon", "epsilon_twice"):
         assert max(np.abs(change).max() for change in changed) > 1e-3
 
 
