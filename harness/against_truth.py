@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness import outcome, regions
+from crosstrace.harness import judging, outcome, regions
 from crosstrace.harness.blame import Testimony, judge
-from crosstrace.harness.classes import Class, Classified, classify
-from crosstrace.harness.lanes import REFERENCE, loaded
+from crosstrace.harness.classes import Classified, classify
+from crosstrace.harness.lanes import REFERENCE
 from crosstrace.translators.errors import UsageError
 from crosstrace.translators.ledger import Arithmetic, Ledger
 from crosstrace.translators.native.truth import certify
-from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene
 
 #: Arithmetic of an image → unit of its rounding; directions and hits carry a few of these.
@@ -81,14 +80,8 @@ def compare_with_truth(
         scene, known, values, ledger, half_step=half_step + tolerance, readings=readings
     )
     verdict = judge([Testimony(name, values, classified, {})], REFERENCE, 0)
-    bad = classified.pixels(Class.WRONG, Class.SUSPECT)
-    found: list[regions.Region] = []
-    n_regions = 0
-    if bad.any():
-        options = RenderOptions(readings=dict(readings or {}), layers=True)
-        traced = loaded(REFERENCE).render(scene, options)
-        true = np.where(np.isfinite(known.lo), 0.5 * (known.lo + known.hi), traced.image)
-        found, n_regions = regions.find(bad, values, true, traced.layers)
+    described = judging.describe(scene, {name: values}, known, {name: classified}, readings)
+    found, n_regions = described[name]
     lane = {
         "name": name, "classes": classified.counts, "n_regions": n_regions,
         "regions": [{"kind": one.kind, "where": one.where} for one in found],

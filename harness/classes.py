@@ -115,7 +115,7 @@ def classify(
     flat[left.take_possible(meanings)] = Class.SUSPECT
     # Which of the possible values rounding led to is open where truth itself is.
     flat[(flat == Class.ROUNDING) & truth.undecidable.ravel()] = Class.UNDECIDABLE
-    at_one = half_step + COLOR_UNITS * ledger.arithmetic.color_unit
+    at_one = float(tolerance(np.ones(3), ledger.arithmetic, half_step))
     return Classified(classes, slack, at_one)
 
 

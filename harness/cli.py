@@ -1,8 +1,8 @@
 """The command `crosstrace`: finds the subcommand, and turns errors into exit statuses.
 
-Exit status: 0; 2 for wrong usage or bad input; 3 where a renderer is missing or failed; 130 after
-an interrupt. Each command stands in a module of its own that is imported when it is called for, so
-that help costs nothing.
+Exit status: 0; 1 where a scene disagrees or a check fails; 2 for wrong usage or bad input; 3 where
+a renderer is missing or failed; 130 after an interrupt. Each command stands in a module of its own
+that is imported when it is called for, so that help costs nothing.
 """
 
 from __future__ import annotations
@@ -16,7 +16,9 @@ from typing import Any, NoReturn
 
 import click
 
-OK, BAD_INPUT, RENDERER_FAILED = 0, 2, 3
+from crosstrace.harness.outcome import OK, RENDERER_FAILED
+
+BAD_INPUT = 2
 #: The customary ones, for what the statuses of the design do not name.
 INTERNAL_ERROR, INTERRUPTED, BROKEN_PIPE, TERMINATED = 70, 130, 141, 143
 

@@ -88,7 +88,8 @@ def judge(
     verdict = blame.judge(
         testimonies, REFERENCE, violations, like_reference=not deviating(readings or {})
     )
-    found = _regions(scene, lanes, known, classified, readings, threads)
+    images_of = {lane: image for lane, (image, _) in lanes.items()}
+    found = describe(scene, images_of, known, classified, readings, threads)
     seconds = {"certify": certified - started, "classify": classed - certified,
                "describe": time.perf_counter() - classed}  # fmt: skip
     return Judgement(
@@ -153,14 +154,18 @@ def _rows(scene: Scene, classified: Mapping[str, Classified]) -> list[int]:
     return sorted({*worst, *spread[: CHECKED_ROWS - len(worst)]})
 
 
-def _regions(
+def describe(
     scene: Scene,
-    lanes: Mapping[str, tuple[Array, float]],
+    lanes: Mapping[str, Array],
     known: truth.Enclosures,
     classified: Mapping[str, Classified],
-    readings: Mapping[str, str] | None,
-    threads: int,
+    readings: Mapping[str, str] | None = None,
+    threads: int = 0,
 ) -> dict[str, tuple[list[regions.Region], int]]:
+    """Find each lane's regions of wrong and suspect pixels, and how many there are in all.
+
+    The reference is rendered for its side outputs, but only where there is something to describe.
+    """
     bad = {lane: one.pixels(Class.WRONG, Class.SUSPECT) for lane, one in classified.items()}
     if not any(which.any() for which in bad.values()):
         return {lane: ([], 0) for lane in lanes}
@@ -169,6 +174,5 @@ def _regions(
     with np.errstate(invalid="ignore"):
         true = np.where(np.isfinite(known.lo), 0.5 * (known.lo + known.hi), traced.image)
     return {
-        lane: regions.find(bad[lane], image, true, traced.layers)
-        for lane, (image, _) in lanes.items()
+        lane: regions.find(bad[lane], image, true, traced.layers) for lane, image in lanes.items()
     }

@@ -15,6 +15,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from crosstrace.harness.classes import NAMES
 from crosstrace.harness.environment import describe
 from crosstrace.harness.sources import Source
 from crosstrace.translators.effects import EFFECTS, effects
@@ -28,8 +29,6 @@ from crosstrace.translators.ledger import Entry
 from crosstrace.translators.renderer import Probe
 
 SCHEMA = "crosstrace-report/1"
-
-CLASSES = ("equal", "rounding", "undecidable", "model", "suspect", "wrong")
 
 #: Objects that one declaration of a ledger lists by index; their count is always whole.
 _LISTED_OBJECTS = 100
@@ -137,7 +136,7 @@ def _judged_lane(entry: Mapping[str, Any], judged: Mapping[str, Any] | None) -> 
     """Return a renderer's record with what is judged of its image."""
     if judged is None:
         nothing: dict[str, Any] = {
-            "classes": dict.fromkeys(CLASSES),
+            "classes": dict.fromkeys(NAMES),
             "tolerance": None,
             "regions": [],
         }

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.translators.ledger import Arithmetic, Emulation
-from crosstrace.translators.native.conditioning import COLOR_UNITS, envelope, impossible
+from crosstrace.translators.native.conditioning import COLOR_UNITS, envelope, impossible, spread
 from crosstrace.translators.native.truth import certify
 
 Pixels = NDArray[np.intp]
@@ -72,7 +72,7 @@ class Unexplained:
 
     def take_possible(self, meanings: Sequence[Emulation]) -> Pixels:
         """Take out and return the pixels that no meaning rules out rigorously."""
-        tried = _spread(self.pixels, _PROVEN)
+        tried = spread(self.pixels, _PROVEN)
         for meaning in meanings:
             if len(tried):
                 ruled_out = impossible(
@@ -87,8 +87,8 @@ class Unexplained:
         return found
 
     def _rounded(self, meaning: Emulation, samples: int, most: int, seed: int) -> Pixels:
-        tried = _spread(self.pixels, most)
-        first = _spread(tried, _SPREAD)
+        tried = spread(self.pixels, most)
+        first = spread(tried, _SPREAD)
         found = self._inside(meaning, first, samples, seed)
         if len(first) == len(tried) or len(found) < _WORTH_TRYING * len(first):
             return found
@@ -105,10 +105,3 @@ class Unexplained:
             inside = seen.contains(self._values[part], slack=self._room[part])
             found.append(part[inside])
         return np.concatenate(found)
-
-
-def _spread(items: Pixels, most: int) -> Pixels:
-    """Return at most so many of the items, evenly from first to last."""
-    if len(items) <= most:
-        return items
-    return items[np.linspace(0, len(items) - 1, most).astype(np.intp)]

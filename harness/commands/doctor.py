@@ -23,9 +23,9 @@ def command(renderers: str | None, as_json: bool, quiet: bool) -> int:
 
     The exit status is 3 where one of them is missing.
     """
-    from crosstrace.harness.cli import OK, RENDERER_FAILED
     from crosstrace.harness.environment import describe
     from crosstrace.harness.lanes import chosen
+    from crosstrace.harness.outcome import OK, RENDERER_FAILED
 
     lanes = chosen(renderers)
     found = _probe(lanes, quiet)

@@ -36,10 +36,10 @@ def command(
     enclosure of its true value, and the value in every lane. The readings of --set are native's.
     The exit status is 3 where a renderer is missing or failed: the rest is shown.
     """
-    from crosstrace.harness.cli import OK, RENDERER_FAILED
     from crosstrace.harness.explain import explain
     from crosstrace.harness.explain_text import lines
     from crosstrace.harness.lanes import chosen
+    from crosstrace.harness.outcome import OK, RENDERER_FAILED
     from crosstrace.translators import readings
 
     lanes = chosen(renderers)

@@ -17,8 +17,8 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
 from crosstrace.harness import colormap
+from crosstrace.harness.classes import NAMES
 from crosstrace.harness.outcome import outcome, sentence
-from crosstrace.harness.record import CLASSES
 
 
 def page(report: Mapping[str, Any]) -> str:
@@ -47,7 +47,7 @@ def page(report: Mapping[str, Any]) -> str:
         summary=_summary(report),
         style=Markup(_text("report.css")),
         gradient=colormap.css_gradient(),
-        classes=list(zip(CLASSES, _css(colormap.CLASS_COLORS), strict=True)),
+        classes=list(zip(NAMES, _css(colormap.CLASS_COLORS), strict=True)),
         difference_ticks=colormap.difference_ticks(),
         similarity_ticks=colormap.similarity_ticks(),
     )

@@ -147,7 +147,7 @@ def judge(
     answer = np.full(len(pixels), Conditioned.SUSPECT, np.uint8)
     left = np.arange(len(pixels))
     for number, (samples, most) in enumerate(PASSES):
-        tried = _spread(left, most)
+        tried = spread(left, most)
         # A pass's memory is bounded too: 32 bytes a sample.
         for part in np.array_split(tried, 1 + len(tried) * samples // (1 << 20)):
             seen = envelope(scene, readings, pixels=pixels[part], error=arithmetic.error,
@@ -163,7 +163,7 @@ def judge(
     return answer
 
 
-def _spread(items: NDArray[np.intp], most: int) -> NDArray[np.intp]:
+def spread(items: NDArray[np.intp], most: int) -> NDArray[np.intp]:
     """Return at most so many of the items, evenly from first to last."""
     if len(items) <= most:
         return items

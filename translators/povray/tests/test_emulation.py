@@ -29,7 +29,7 @@ def native(scene: Scene, **readings: str) -> np.ndarray:
 
 
 def emulated(scene: Scene) -> np.ndarray:
-    habits = renderer("povray").ledger(scene).emulation  # type: ignore[attr-defined]
+    habits = renderer("povray").ledger(scene).emulation
     assert isinstance(habits, Emulation)
     return native(habits.scene, **habits.readings)
 
