@@ -1,0 +1,64 @@
+/* Which frames the certified streams take, and which instruction set runs them. */
+#include "set_stream.h"
+
+#include <math.h>
+
+/* Products of four such numbers are far from overflow, their quotients and squares from underflow:
+ * the streams do no other checks for either. */
+#define LARGEST 0x1p200
+#define SMALLEST 0x1p-200
+
+static int fits(double x) { return fabs(x) <= LARGEST; }
+
+static int holds_point(const double *p) { return fits(p[0]) && fits(p[1]) && fits(p[2]); }
+
+static int holds_numbers(const ct_frame *frame) {
+  const ct_scene_view *v = &frame->view;
+  if (!holds_point(v->eye) || !fits(v->screen_distance) || v->screen_distance < SMALLEST ||
+      v->pixel_size < SMALLEST ||
+      !fits(v->pixel_size * ((double)v->h_res + (double)v->v_res)) ||
+      frame->options->epsilon > LARGEST || frame->options->shadow_min > LARGEST)
+    return 0;
+  for (size_t j = 0; j < v->n_lights; j++)
+    if (!holds_point(v->lights + j * CT_LIGHT_COLUMNS + 3)) return 0;
+  for (size_t i = 0; i < v->n_objects; i++) {
+    const double *g = v->geometry + i * CT_GEOMETRY_COLUMNS, *m = v->material + i * CT_MATERIAL_COLUMNS;
+    if (!holds_point(g) || !(m[CT_N] <= LARGEST)) return 0;
+    if (m[CT_KT] > 0 && !(m[CT_N] >= SMALLEST)) return 0;
+    if (v->kind[i] == CT_SPHERE) {
+      if (!(g[3] >= SMALLEST && g[3] <= LARGEST)) return 0;
+      continue;
+    }
+    double n = fabs(g[3]) + fabs(g[4]) + fabs(g[5]);
+    if (!(n >= SMALLEST && n <= LARGEST)) return 0;
+  }
+  return 1;
+}
+
+static int knows_readings(const ct_frame *frame) {
+  const int *choice = frame->options->choice;
+  for (int k = 0; k < CT_N_CHOICES; k++) {
+    int is_known = choice[k] == 0 || (k == CT_OFFSET && choice[k] == CT_OFFSET_MITSUBA) ||
+                   (k == CT_NESTING && choice[k] == CT_NESTING_TRACKED);
+    if (!is_known) return 0;
+  }
+  return 1;
+}
+
+/* The root at an eye that lies on a sphere has a formula of its own. */
+static int is_eye_on_sphere(const ct_frame *frame) {
+  for (size_t i = 0; i < frame->view.n_objects; i++)
+    if (frame->eye_on[i] && frame->view.kind[i] == CT_SPHERE) return 1;
+  return 0;
+}
+
+const ct_set_stream *ct_set_stream_for(const ct_frame *frame) {
+  if (!knows_readings(frame) || is_eye_on_sphere(frame) || !holds_numbers(frame)) return NULL;
+#if defined(CT_HAVE_FMA_UNITS)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl"))
+    return &ct_set_stream_avx512;
+  if (__builtin_cpu_supports("avx2")) return &ct_set_stream_avx2;
+#endif
+  return &ct_set_stream_generic;
+}

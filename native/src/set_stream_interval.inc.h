@@ -1,0 +1,125 @@
+/* Intervals in lanes, [lo, hi] kept as (-lo, hi) as in interval.inc.h: the processor rounds upward,
+ * so every sum, product and root here lies at or above the exact one. Products with, and
+ * differences of, exact zeros stay exact. Nothing here is given infinities: what could become one
+ * is bounded by the callers' guards.
+ */
+
+/* One rounding, in any direction, is at most this part of its result. */
+#define LANE_U 0x1p-52
+
+typedef struct SET_FN(lanes_interval) {
+  V n, h; /* -lo and hi */
+} VI;
+
+static inline VI vi(V n, V h) { return (VI){n, h}; }
+static inline VI vi_from(IV a) { return vi(v_from(a.nlo), v_from(a.hi)); }
+static inline VI vi_add(VI a, VI b) { return vi(a.n + b.n, a.h + b.h); }
+static inline VI vi_select(M m, VI a, VI b) {
+  return vi(v_select(m, a.n, b.n), v_select(m, a.h, b.h));
+}
+/* The other sign in the lanes m. */
+static inline VI vi_flip(M m, VI a) { return vi(v_select(m, a.h, a.n), v_select(m, a.n, a.h)); }
+static inline VI vi_floor_zero(VI a) { return vi(v_min(a.n, v_from(0)), v_max(a.h, v_from(0))); }
+static inline V v_magnitude(V a) { return v_max(a, -a); }
+
+/* A point of the interval, or near it, and the farthest that the interval reaches from a point. */
+static inline V vi_middle(VI a) { return (a.h - a.n) * 0.5; }
+static inline V vi_reach(VI a, V point) { return v_max(a.h - point, a.n + point); }
+
+/* s >= 0, a number without error. */
+static inline VI vi_times(V s, VI a) { return vi(s * a.n, s * a.h); }
+
+/* p >= 0 throughout. */
+static inline VI vi_by_positive(VI p, VI a) {
+  V lo = -p.n;
+  return vi(v_max(a.n * p.h, a.n * lo), v_max(a.h * p.h, a.h * lo));
+}
+/* Both >= 0 throughout. */
+static inline VI vi_of_positives(VI a, VI b) { return vi(a.n * -b.n, a.h * b.h); }
+
+static inline VI vi_square(VI a) {
+  V far = v_max(a.n, a.h), near = v_max(-v_min(a.n, a.h), v_from(0));
+  return vi(near * -near, far * far);
+}
+static inline VI vi_square3(const VI a[3]) {
+  return vi_add(vi_add(vi_square(a[0]), vi_square(a[1])), vi_square(a[2]));
+}
+
+/* An interval times the sign of its middle, so that hi >= |lo|: one factor of many products. */
+typedef struct SET_FN(lanes_signed) {
+  V lo, hi;
+  M minus;
+} VS;
+
+static inline VS vs_of(VI a) {
+  return (VS){-v_min(a.n, a.h), v_max(a.n, a.h), v_less(a.h, a.n)};
+}
+
+static inline VI vs_mul(VS a, VI b, int straddles) {
+  b = vi_flip(a.minus, b);
+  VI c = vi(v_max(b.n * a.hi, b.n * a.lo), v_max(b.h * a.hi, b.h * a.lo));
+  /* The ends' product that counts where a.lo < 0 alone; elsewhere it is one of the others' or less. */
+  if (straddles) c = vi(v_max(b.h * -a.lo, c.n), v_max(b.n * -a.lo, c.h));
+  return c;
+}
+
+static inline int vs_straddles(VS a) { return m_bits(v_less(a.lo, v_from(0))) != 0; }
+static inline VI vi_mul(VI a, VI b) {
+  VS s = vs_of(a);
+  return vs_mul(s, b, vs_straddles(s));
+}
+
+typedef struct SET_FN(lanes_signed3) {
+  VS c[3];
+  int straddles; /* in some lane */
+} VS3;
+
+static inline VS3 vs3_of(const VI a[3]) {
+  VS3 s = {{vs_of(a[0]), vs_of(a[1]), vs_of(a[2])}, 0};
+  V least = v_min(s.c[0].lo, v_min(s.c[1].lo, s.c[2].lo));
+  s.straddles = m_bits(v_less(least, v_from(0))) != 0;
+  return s;
+}
+
+static inline VI vs3_dot(const VS3 *a, const VI b[3]) {
+  int s = a->straddles;
+  return vi_add(vi_add(vs_mul(a->c[0], b[0], s), vs_mul(a->c[1], b[1], s)),
+                vs_mul(a->c[2], b[2], s));
+}
+
+/* Root and its inverse of q > 0 with one root and one division.
+ *
+ * s = sqrt(q.hi) and y = 1/s, each rounded upward once, and w = (q.hi - q.lo)/q.hi <= 1/32, of which
+ * `width` below is an upper bound but for 3u of itself. For such w, sqrt(1 - w) >= 1 - 0.53w and
+ * 1/sqrt(1 - w) <= 1 + 0.6w. So with e = 4u + 0.75 width,
+ *   s(1 - e) <= sqrt(q) <= s,  y(1 - 4u) <= 1/sqrt(q) <= y(1 + e),  |y sqrt(q) - 1| <= e.
+ */
+typedef struct SET_FN(lanes_length) {
+  VI length, inverse;
+  V y, error; /* y and e above */
+  M known;    /* the lanes where all of this holds */
+} LENGTH;
+
+static inline LENGTH length_of(VI q) {
+  LENGTH out;
+  V s = v_sqrt(q.h), y = 1.0 / s;
+  V width = (q.h + q.n) * (y * y), e = width * 0.75 + 4 * LANE_U;
+  out.known = m_and(v_at_most(width, v_from(0x1p-5)), v_less(v_from(0x1p-500), q.h));
+  out.length = vi(s * (e - 1.0), s);
+  out.inverse = vi(y * (4 * LANE_U - 1.0), y * (e + 1.0));
+  out.y = y;
+  out.error = e;
+  return out;
+}
+
+/* x^eta for x >= 0 and an exact integer eta >= 1, by repeated squaring. */
+static inline VI vi_power(VI base, double eta) {
+  VI result = vi(v_from(-1), v_from(1));
+  for (;;) {
+    double half = floor(eta / 2);
+    if (eta - 2 * half > 0) result = vi_of_positives(result, base);
+    if (!(half > 0)) return result;
+    base = vi_of_positives(base, base);
+    eta = half;
+  }
+}

@@ -1,0 +1,139 @@
+/* Secondary rays of the hits of one solid (specification 4.1, 4.2). */
+
+/* A part of a vector whose rays went on: where they are in the child stream, what they weigh. */
+typedef struct SET_FN(record) {
+  int vector, at;
+  unsigned bits;
+  double weight;
+} RECORD;
+
+typedef struct SET_FN(child) {
+  STREAM rays;
+  int n_records;
+  RECORD records[CT_SET_STREAM]; /* at least a ray each */
+  ct_medium entered[ROOM]; /* nesting=tracked only */
+} CHILD;
+
+static inline void append(CHILD *child, int vector, M lanes, double weight, const VI origin[3],
+                          const VI direction[3], V slot) {
+  STREAM *to = &child->rays;
+  unsigned bits = m_bits(lanes);
+  if (!bits) return;
+  for (int k = 0; k < 3; k++) {
+    v_store(to->origin[k] + to->n, v_pack(lanes, origin[k].n));
+    v_store(to->origin[3 + k] + to->n, v_pack(lanes, origin[k].h));
+    v_store(to->direction[k] + to->n, v_pack(lanes, direction[k].n));
+    v_store(to->direction[3 + k] + to->n, v_pack(lanes, direction[k].h));
+  }
+  v_store(to->slot + to->n, v_pack(lanes, slot));
+  child->records[child->n_records++] = (RECORD){vector, to->n, bits, weight};
+  to->n += __builtin_popcount(bits);
+}
+
+static inline void start_beside(const SWORLD *world, const HITS *hit, M minus, const VI d[3],
+                                VI origin[3]) {
+  if (world->base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
+    step_aside(hit, mitsuba_step(hit), minus, origin);
+    return;
+  }
+  V epsilon = v_from(world->base->epsilon.hi);
+  for (int k = 0; k < 3; k++) origin[k] = vi_add(hit->point[k], vi_times(epsilon, d[k]));
+}
+
+/* Index on the ray's side over that beyond, for each lane. */
+static inline VI ratio_at(const SWORLD *world, const HITS *hit, const STREAM *rays, int at,
+                          M inside, M lanes) {
+  const ct_scene_view *view = world->base->view;
+  double n = view->material[hit->solid->object * CT_MATERIAL_COLUMNS + CT_N];
+  if (world->base->choice[CT_NESTING] != CT_NESTING_TRACKED)
+    return vi_select(inside, vi(v_from(-n), v_from(n)),
+                     vi_from(i_over_positive(i_from(1), i_from(n))));
+  double own[N_LANES], beyond[N_LANES];
+  unsigned in = m_bits(inside), used = m_bits(lanes);
+  for (int k = 0; k < N_LANES; k++) {
+    own[k] = beyond[k] = 1;
+    if (!(used >> k & 1)) continue;
+    const ct_medium *medium = rays->medium[at + k];
+    ct_medium entered = {medium, hit->solid->object, in >> k & 1 ? -1 : 1};
+    own[k] = ct_medium_index(view, medium);
+    beyond[k] = ct_medium_index(view, &entered);
+  }
+  V a = v_load(own), b = v_load(beyond);
+  return vi(-a / b, a / b);
+}
+
+/* Refraction bends by k along the normal, k = (1 - ratio^2)/(sqrt(delta) + ratio cosine): the
+ * quotient holds the cosine's error once, where the difference that it equals holds it twice. */
+static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
+                           const STREAM *rays, int at, M lanes, CHILD *mirrored, CHILD *refracted,
+                           M *bad) {
+  const WORLD *base = world->base;
+  const double *m = base->view->material + hit->solid->object * CT_MATERIAL_COLUMNS;
+  double kr = base->effects & CT_REFLECTION ? m[CT_KR] : 0;
+  double kt = base->effects & CT_REFRACTION ? m[CT_KT] : 0;
+  int bends = m[CT_KT] > 0, vector = at / N_LANES;
+  if (!(kr > 0) && !bends) return;
+  V zero = v_from(0), one = v_from(1), slot = v_load(rays->slot + at);
+  M inside = v_less(hit->cosine.h, zero);
+  *bad = m_or(*bad, m_without(lanes, m_or(inside, v_less(hit->cosine.n, zero))));
+  lanes = m_without(lanes, *bad);
+  VI cosine = vi_flip(inside, hit->cosine), direction[3], origin[3];
+  M total = m_from_bits(0);
+  if (bends) {
+    VI ratio = ratio_at(world, hit, rays, at, inside, lanes);
+    VI square = vi_of_positives(ratio, ratio), bend = vi(square.h - one, one + square.n);
+    VI delta = vi_add(bend, vi_of_positives(square, vi_of_positives(cosine, cosine)));
+    M through = v_less(delta.n, zero);
+    total = v_less(delta.h, zero);
+    M plus = v_at_most(bend.n, zero), minus = v_at_most(bend.h, zero); /* the sign of bend */
+    M known = m_or(total, m_and(through, m_or(plus, minus)));
+    *bad = m_or(*bad, m_without(lanes, known));
+    lanes = m_without(lanes, *bad);
+    total = m_and(total, lanes);
+    through = m_without(lanes, total);
+    if (kt > 0 && m_bits(through)) {
+      V low = v_sqrt(v_max(-delta.n, zero)) * (1 - 4 * LANE_U), high = v_sqrt(v_max(delta.h, zero));
+      V sum_h = high + ratio.h * cosine.h, sum_n = ratio.n * -cosine.n - low;
+      minus = m_without(minus, plus);
+      bend = vi_of_positives(vi_flip(minus, bend), hit->inverse);
+      VI k = vi(bend.n / sum_h, bend.h / -sum_n);
+      M known_sum = v_less(sum_n, v_from(-0x1p-300));
+      *bad = m_or(*bad, m_without(through, known_sum));
+      through = m_and(through, known_sum);
+      /* Against the facing normal where bend > 0. */
+      M flip = m_or(m_without(inside, minus), m_without(minus, inside));
+      for (int i = 0; i < 3; i++) {
+        VI normal = vi_flip(flip, hit->across[i]);
+        VI pull = vi_by_positive(k, vi(normal.h, normal.n));
+        direction[i] = vi_add(vi_by_positive(ratio, d[i]), pull);
+      }
+      start_beside(world, hit, m_without(lanes, inside), direction, origin);
+      int first = refracted->rays.n;
+      append(refracted, vector, through, kt, origin, direction, slot);
+      if (base->choice[CT_NESTING] == CT_NESTING_TRACKED) {
+        unsigned in = m_bits(inside);
+        for (unsigned bits = m_bits(through); bits; bits &= bits - 1, first++) {
+          int lane = __builtin_ctz(bits);
+          refracted->entered[first] = (ct_medium){rays->medium[at + lane], hit->solid->object,
+                                                  in >> lane & 1 ? -1 : 1};
+          refracted->rays.medium[first] = &refracted->entered[first];
+        }
+      }
+    }
+    if (!(base->effects & CT_TOTAL_REFLECTION)) total = m_from_bits(0);
+  }
+  M reflects = m_without(kr > 0 ? lanes : total, *bad);
+  if (!m_bits(reflects)) return;
+  VI twice = vi_add(cosine, cosine), k = vi_of_positives(twice, hit->inverse);
+  for (int i = 0; i < 3; i++)
+    direction[i] = vi_add(d[i], vi_by_positive(k, vi_flip(inside, hit->across[i])));
+  start_beside(world, hit, inside, direction, origin);
+  M parts[2] = {m_and(reflects, total), m_without(reflects, total)};
+  for (int p = 0; p < 2; p++) {
+    int first = mirrored->rays.n;
+    append(mirrored, vector, parts[p], p == 0 ? 1 : kr, origin, direction, slot);
+    if (base->choice[CT_NESTING] == CT_NESTING_TRACKED)
+      for (unsigned bits = m_bits(parts[p]); bits; bits &= bits - 1, first++)
+        mirrored->rays.medium[first] = rays->medium[at + __builtin_ctz(bits)];
+  }
+}
