@@ -14,6 +14,7 @@ static inline V v_load(const double *p) { return _mm256_loadu_pd(p); }
 static inline void v_store(double *p, V a) { _mm256_storeu_pd(p, a); }
 static inline V v_max(V a, V b) { return _mm256_max_pd(a, b); }
 static inline V v_min(V a, V b) { return _mm256_min_pd(a, b); }
+static inline V v_magnitude(V a) { return _mm256_andnot_pd(v_from(-0.0), a); }
 static inline V v_sqrt(V a) { return _mm256_sqrt_pd(a); }
 
 static inline M v_less(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }

@@ -15,6 +15,7 @@ static inline V v_load(const double *p) { return _mm512_loadu_pd(p); }
 static inline void v_store(double *p, V a) { _mm512_storeu_pd(p, a); }
 static inline V v_max(V a, V b) { return _mm512_max_pd(a, b); }
 static inline V v_min(V a, V b) { return _mm512_min_pd(a, b); }
+static inline V v_magnitude(V a) { return _mm512_abs_pd(a); }
 static inline V v_sqrt(V a) { return _mm512_sqrt_pd(a); }
 
 /* False where one is no number. */

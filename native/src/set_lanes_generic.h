@@ -4,6 +4,7 @@
 #define CT_SET_LANES_H
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 enum { N_LANES = 2 };
@@ -21,6 +22,7 @@ static inline void v_store(double *p, V a) { memcpy(p, &a, sizeof a); }
 static inline V v_select(M m, V a, V b) { return (V)(((M)a & m) | ((M)b & ~m)); }
 static inline V v_max(V a, V b) { return v_select((M)(a > b), a, b); }
 static inline V v_min(V a, V b) { return v_select((M)(a < b), a, b); }
+static inline V v_magnitude(V a) { return (V)((M)a & INT64_MAX); }
 static inline V v_sqrt(V a) { return (V){sqrt(a[0]), sqrt(a[1])}; }
 
 static inline M v_less(V a, V b) { return (M)(a < b); }

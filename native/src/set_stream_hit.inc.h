@@ -5,7 +5,7 @@
  * zeros of a ray parallel to one.
  *
  * A ray of the set is o, d with |d| = 1; the middle of the set is p, e, each component within `eo` of
- * o's and `ed` <= 2^-20 of d's. N is at least |o| and |p|. For a sphere c, r let F >= N + |c|, and let
+ * o's and `ed` <= 2^-8 of d's. N is at least |o| and |p|. For a sphere c, r let F >= N + |c|, and let
  * f = c - o, b = f.d, l = b d - f, disc = r^2 - |l|^2, whose roots are b -+ sqrt(disc). Computed from
  * the middle, with the roundings of u = 2^-52 each,
  *   |f' - f| <= sqrt3 eo + uF
@@ -29,7 +29,7 @@ static inline M complete_middle(MIDDLE *q) {
   q->n = n + q->eo * 3.0;
   q->error = q->eo * 4.0 + 0x1p-500;
   q->slope = q->ed * 4.0 + 16 * LANE_U;
-  return m_and(v_at_most(q->ed, v_from(0x1p-20)), v_at_most(q->n, v_from(0x1p200)));
+  return m_and(v_at_most(q->ed, v_from(0x1p-8)), v_at_most(q->n, v_from(0x1p200)));
 }
 
 static inline M middle_of(const VI origin[3], const VI direction[3], MIDDLE *q) {
@@ -43,29 +43,49 @@ static inline M middle_of(const VI origin[3], const VI direction[3], MIDDLE *q) 
   return complete_middle(q);
 }
 
-typedef struct SET_FN(sphere_test) {
-  V b, e;          /* b' and E */
+typedef struct SET_FN(meeting) {
+  V b, e;           /* b' and E */
   V disc_n, disc_h; /* bounds of -disc and disc */
-  M live;          /* lanes that may meet it ahead */
+  M live;           /* lanes that may meet it ahead */
+  M inside;         /* lanes that surely start inside of it */
 } MEETING;
 
+/* Fills E and the bounds of disc, given F and |l'|^2. */
+static inline void bound_meeting(MEETING *m, const MIDDLE *q, const SOLID *s, V size, V l2) {
+  m->e = q->error + size * q->slope;
+  V error = m->e * ((m->e + s->radius) + l2 * s->inverse_radius) +
+            (l2 + s->square.hi) * (8 * LANE_U);
+  V disc = s->square.hi - l2;
+  m->disc_h = disc + error;
+  m->disc_n = error - disc;
+}
+
+static inline V square_sum(const V a[3]) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; }
+
+/* First with F = N + |c|, which most lanes need no better than; then with F = |f'| + 2 eo. Behind is
+ * what has b < 0 and c = |f|^2 - r^2 = b^2 - disc > 0; from f itself, c is known the better. */
 static inline MEETING meet(const MIDDLE *q, const SOLID *s, M lanes) {
   MEETING m;
-  V f[3], b, l2, c, error;
+  V f[3], l[3], zero = v_from(0);
   for (int k = 0; k < 3; k++) f[k] = s->g[k] - q->o[k];
-  b = f[0] * q->d[0] + f[1] * q->d[1] + f[2] * q->d[2];
-  for (int k = 0; k < 3; k++) f[k] = b * q->d[k] - f[k];
-  l2 = f[0] * f[0] + f[1] * f[1] + f[2] * f[2];
-  m.b = b;
-  m.e = q->error + (q->n + s->size) * q->slope;
-  error = m.e * ((m.e + s->radius) + l2 * s->inverse_radius) + (l2 + s->square.hi) * (8 * LANE_U);
-  c = s->square.hi - l2;
-  m.disc_h = c + error;
-  m.disc_n = error - c;
-  /* Behind: b < 0 and |b| above the root of disc. */
-  V ahead = b + m.e;
-  M behind = m_and(v_less(ahead, v_from(0)), v_less(m.disc_h + ahead * -ahead, v_from(0)));
-  m.live = m_without(m_without(lanes, v_less(m.disc_h, v_from(0))), behind);
+  m.b = f[0] * q->d[0] + f[1] * q->d[1] + f[2] * q->d[2];
+  for (int k = 0; k < 3; k++) l[k] = m.b * q->d[k] - f[k];
+  V l2 = square_sum(l);
+  bound_meeting(&m, q, s, q->n + s->size, l2);
+  V ahead = m.b + m.e;
+  M behind = m_and(v_less(ahead, zero), v_less(m.disc_h + ahead * -ahead, zero));
+  m.live = m_without(m_without(lanes, v_less(m.disc_h, zero)), behind);
+  m.inside = m_from_bits(0);
+  if (!m_bits(m.live)) return m;
+
+  V size = v_magnitude(f[0]) + v_magnitude(f[1]) + v_magnitude(f[2]) + q->eo * 2.0;
+  bound_meeting(&m, q, s, size, l2);
+  V f2 = square_sum(f), ef = q->eo * 2.0 + size * (2 * LANE_U);
+  V error = ef * ((ef + s->radius) + f2 * s->inverse_radius) + (f2 + s->square.hi) * (8 * LANE_U);
+  V c = f2 - s->square.hi;
+  behind = m_and(v_less(m.b + m.e, zero), v_less(error, c));
+  m.live = m_without(m_without(m.live, v_less(m.disc_h, zero)), behind);
+  m.inside = v_less(c + error, zero);
   return m;
 }
 
@@ -109,13 +129,13 @@ static inline void offer_sphere(NEAREST *best, const MIDDLE *q, const SOLID *s, 
   if (!m_bits(m.live)) return;
   V zero = v_from(0);
   ROOTS r = roots_of(&m);
-  M is_past = v_at_most(r.near_h, zero); /* the near root lies behind the origin */
+  M is_past = m_or(m.inside, v_at_most(r.near_h, zero)); /* the near root is behind */
   V n = v_select(is_past, r.far_n, r.near_n), h = v_select(is_past, r.far_h, r.near_h);
   V t = v_select(is_past, m.b + r.middle, m.b - r.middle);
   M possible = m_without(m.live, v_at_most(r.far_h, zero));
   /* The last condition is for the enclosure of the hit: set_stream_point.inc.h. */
   M sure = m_and(m_and(possible, v_less(m.disc_n, zero)),
-                 m_and(v_less(n, zero), v_at_most(h + n, r.middle * 0x1p-21)));
+                 m_and(v_less(n, zero), v_at_most(h + n, r.middle * 0x1p-11)));
   offer(best, index, possible, sure, n, h, t, v_select(is_past, -r.middle, r.middle));
 }
 
@@ -227,9 +247,20 @@ static inline void add_plane_shadow(SHADOW *shadow, const MIDDLE *q, const SOLID
   shadow->sure = m_or(shadow->sure, m_and(m_and(live, is_steep), in));
 }
 
+/* The solid that the rays leave, from a point P of it. A plane is not met again: the origin, moved
+ * towards the light or to its side, and the light are on one side. From P + epsilon l, a sphere's
+ * roots are exactly -epsilon and -epsilon - 2 (P - c).l, the second of which is `other`. */
+static inline void add_own_shadow(SHADOW *shadow, VI other, V least, VI limit, M lanes) {
+  V zero = v_from(0);
+  M out = m_or(v_at_most(other.h, least), v_less(other.n + limit.h, zero));
+  M in = m_and(v_less(other.n + least, zero), v_less(other.h + limit.n, zero));
+  shadow->possible = m_or(shadow->possible, m_without(lanes, out));
+  shadow->sure = m_or(shadow->sure, m_and(lanes, in));
+}
+
 /* What may stand on the rays q before the light, whose distance is `limit`. */
 static inline SHADOW shadow_on(const SWORLD *world, const MIDDLE *q, size_t light, VI limit,
-                               M lanes) {
+                               const SOLID *own, VI other, M lanes) {
   const ct_frame *frame = world->base->frame;
   double far = frame->options->far;
   V least = v_from(frame->options->shadow_min);
@@ -239,13 +270,16 @@ static inline SHADOW shadow_on(const SWORLD *world, const MIDDLE *q, size_t ligh
     const SOLID *s = &world->solids[i];
     M left = m_without(lanes, shadow.sure);
     if (!m_bits(left)) break;
+    if (s == own && s->is_plane) continue;
     if (frame->n_lights_on && world->base->choice[CT_OFFSET] != CT_OFFSET_MITSUBA &&
         ct_light_is_on(frame, light, s->object)) {
-      /* No blocker there but the far side of a sphere, which is left to the scalar kernel. */
-      if (!s->is_plane) shadow.possible = m_or(shadow.possible, meet(q, s, left).live);
+      /* No blocker there but the far side of another sphere, left to the scalar kernel. */
+      if (!s->is_plane && s != own) shadow.possible = m_or(shadow.possible, meet(q, s, left).live);
       continue;
     }
-    if (s->is_plane)
+    if (s == own && world->base->choice[CT_OFFSET] != CT_OFFSET_MITSUBA)
+      add_own_shadow(&shadow, other, least, limit, left);
+    else if (s->is_plane)
       add_plane_shadow(&shadow, q, s, least, limit.n, limit.h, left);
     else
       add_sphere_shadow(&shadow, q, s, least, limit.n, limit.h, left);

@@ -20,7 +20,6 @@ static inline VI vi_select(M m, VI a, VI b) {
 /* The other sign in the lanes m. */
 static inline VI vi_flip(M m, VI a) { return vi(v_select(m, a.h, a.n), v_select(m, a.n, a.h)); }
 static inline VI vi_floor_zero(VI a) { return vi(v_min(a.n, v_from(0)), v_max(a.h, v_from(0))); }
-static inline V v_magnitude(V a) { return v_max(a, -a); }
 
 /* A point of the interval, or near it, and the farthest that the interval reaches from a point. */
 static inline V vi_middle(VI a) { return (a.h - a.n) * 0.5; }

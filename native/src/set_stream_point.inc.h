@@ -10,9 +10,7 @@ typedef struct SET_FN(hits) {
 } HITS;
 
 /* With t near a root of g(t) = |o + t d - c|^2 - r^2 = (t - t1)(t - t2), the root itself is
- * t1 = t + g(t) / (t2 - t), and t2 = t - g(t) / (t - t1). The divisor is within 2^-20 of itself of
- * the difference of the roots: |root' - root| and |t - t1| are at most (h + n)/2 and h + n of
- * set_stream_hit.inc.h, which asks for (h + n) <= 2^-21 root. */
+ * t1 = t + g(t) / (t2 - t), and t2 = t - g(t) / (t - t1). XX */
 static inline void enclose_on_sphere(const VI o[3], const VI d[3], const SOLID *s,
                                      const NEAREST *hit, HITS *out) {
   V zero = v_from(0), t = v_max(hit->t, zero);
@@ -21,7 +19,7 @@ static inline void enclose_on_sphere(const VI o[3], const VI d[3], const SOLID *
     l[k] = vi((o[k].n + s->g[k]) + t * d[k].n, (o[k].h - s->g[k]) + t * d[k].h);
   VI g = vi_add(vi_square3(l), vi(v_from(s->square.hi), v_from(s->square.nlo)));
   V y = 0.5 / v_magnitude(hit->root);
-  VI part = vi(y * (0x1p-19 - 1), y * (1 + 0x1p-19));
+  VI part = vi(y * (0x1p-9 - 1), y * (1 + 0x1p-9));
   VI shift = vi_by_positive(part, vi_flip(v_less(hit->root, zero), g));
   V reach = v_max(shift.n, shift.h);
   for (int k = 0; k < 3; k++) {
@@ -143,7 +141,7 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, M l
   }
   if (base->effects & CT_SHADOWS) {
     MIDDLE q;
-    VI limit = length.length;
+    VI limit = length.length, other = vi_by_positive(length.inverse, across);
     double epsilon = base->epsilon.hi;
     M known;
     if (base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
@@ -157,13 +155,14 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, M l
       known = m_and(length.known, middle_to_light(light, way, &length, 0, &q));
     } else {
       limit = vi(limit.n + epsilon, limit.h - epsilon);
+      other = vi(other.h * 2.0 + epsilon, other.n * 2.0 - epsilon);
       known = middle_to_light(light, way, &length, epsilon, &q);
     }
     /* A light within epsilon of the hit is not shadowed. */
     M apart = m_without(needed, v_at_most(limit.h, zero));
     known = m_and(known, v_less(limit.n, zero));
     *bad = m_or(*bad, m_without(apart, known));
-    SHADOW shadow = shadow_on(world, &q, j, limit, m_without(apart, *bad));
+    SHADOW shadow = shadow_on(world, &q, j, limit, hit->solid, other, m_without(apart, *bad));
     M doubtful = m_without(shadow.possible, shadow.sure);
     V most = v_max(c[0].h, v_max(c[1].h, c[2].h));
     M negligible = v_at_most(most, v_from(SET_NEGLIGIBLE));
