@@ -42,6 +42,11 @@ void ct_pixel_report(ct_pixel *pixel) {
 
 uint64_t ct_max_tree_depth(void) { return CT_MAX_TREE_DEPTH; }
 
+size_t ct_kernel_stack(const ct_kernel *kernel, int64_t max_depth) {
+  int64_t depth = max_depth < CT_MAX_TREE_DEPTH ? max_depth : CT_MAX_TREE_DEPTH;
+  return ((size_t)1 << 20) + (size_t)(depth + 2) * kernel->stack_per_level * STACK_FACTOR;
+}
+
 static void store(const job *j, size_t at, const ct_pixel *p) {
   const ct_outputs *out = j->out;
   if (out->image) memcpy(out->image + 3 * at, p->color, sizeof p->color);
@@ -114,7 +119,7 @@ ct_status ct_render(const ct_scene_view *view, const ct_options *options,
   int64_t end = options->row_end ? options->row_end : view->v_res;
   if (options->row_begin < 0 || options->row_begin >= end || end > view->v_res)
     return CT_ERR_ARGUMENT;
-  const ct_kernel *kernel = ct_precision_kernel(options->precision);
+  const ct_kernel *kernel = ct_precision_kernel(options->precision, options->instructions);
   if (options->rounding != CT_ROUND_NEAREST && !kernel->takes_rounding) return CT_ERR_OPTION;
   ct_machine_state caller = ct_machine_enter();
   ct_frame frame;
@@ -125,16 +130,13 @@ ct_status ct_render(const ct_scene_view *view, const ct_options *options,
     if (!status) {
       int64_t across = (view->h_res + TILE_SIDE - 1) / TILE_SIDE;
       int64_t down = (end - options->row_begin + TILE_SIDE - 1) / TILE_SIDE;
-      int64_t depth =
-          frame.max_depth < CT_MAX_TREE_DEPTH ? frame.max_depth : CT_MAX_TREE_DEPTH;
       job j = {.kernel = kernel, .world = world, .view = view, .out = outputs,
                .rounding = rounding_modes[options->rounding],
                .row_begin = options->row_begin, .row_end = end, .tiles_across = across,
                .shared = {.ray_budget = options->ray_budget}};
       ct_work work = {.run = render_tiles, .job = &j,
                       .n_items = (uint64_t)across * (uint64_t)down, .chunk = 1,
-                      .stack_bytes = ((size_t)1 << 20) + (size_t)(depth + 2) *
-                                                             kernel->stack_per_level * STACK_FACTOR,
+                      .stack_bytes = ct_kernel_stack(kernel, frame.max_depth),
                       .enter = enter_thread, .leave = leave_thread, .stop = &j.shared.stop};
       unsigned n_threads = 0;
       status = ct_parallel(&work, options->n_threads, progress, user, &n_threads);
