@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import as_completed
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
@@ -16,6 +17,13 @@ from crosstrace.harness import tasks
 from crosstrace.harness.jobs import Task, WorkerPool, available_cores
 from crosstrace.translators.renderer import Probe, Progress, Rendering, RenderOptions, Translation
 from crosstrace.translators.scene import Scene
+
+if TYPE_CHECKING:
+    from crosstrace.translators.native.explain import PixelTree
+    from crosstrace.translators.native.truth import Enclosures
+
+#: A colour, and the half width of its quantisation.
+Pixel = tuple[tuple[float, float, float], float]
 
 Layers = dict[str, NDArray[Any]]
 
@@ -67,6 +75,32 @@ def certify(scene: Scene, readings: Mapping[str, str], timeout_s: float | None) 
     task = Task(tasks.certify, "native", timeout_s=timeout_s, label="certifying")
     known: Layers = _call(task, scene, dict(readings))
     return known
+
+
+def explain(
+    scene: Scene, row: int, column: int, readings: Mapping[str, str], timeout_s: float | None
+) -> tuple[PixelTree, Enclosures | None]:
+    """Record a pixel's ray tree and enclose its value."""
+    task = Task(tasks.explain, "native", timeout_s=timeout_s, label="native: explaining")
+    known: tuple[PixelTree, Enclosures | None] = _call(task, scene, row, column, dict(readings))
+    return known
+
+
+def pixels(
+    lanes: Iterable[str], scene: Scene, options: RenderOptions, row: int, column: int
+) -> Iterator[tuple[str, Pixel | BaseException]]:
+    """Have lanes render side by side; yield each one's pixel, or why it has none, as they come."""
+    lane_of = {}
+    for lane in lanes:
+        task = Task(tasks.pixel, lane, timeout_s=options.timeout_s, label=lane)
+        lane_of[_pool().submit(task, lane, scene, options, row, column)] = lane
+    try:
+        for future in as_completed(lane_of):
+            error = future.exception()
+            yield lane_of[future], error or future.result()
+    except (KeyboardInterrupt, SystemExit):
+        _end()
+        raise
 
 
 def _call(task: Task, *args: Any) -> Any:

@@ -26,6 +26,7 @@ COMMANDS = {
     "render": "Render one scene with one renderer to an image file.",
     "translate": "Write a scene in another renderer's own language.",
     "compare": "Compare two images in numbers.",
+    "explain": "Show the rays of one pixel, its true value, and every lane's.",
     "effects": "Say what a scene calls for, object by object.",
     "report": "Draw the page again from a report.json.",
     "doctor": "Say which renderers work here, and how to install what is missing.",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,10 @@ from crosstrace.translators.renderer import (
     Translation,
 )
 from crosstrace.translators.scene import Scene
+
+if TYPE_CHECKING:
+    from crosstrace.translators.native.explain import PixelTree
+    from crosstrace.translators.native.truth import Enclosures
 
 
 def probe(lane: str) -> Probe:
@@ -42,6 +46,28 @@ def certify(scene: Scene, readings: Mapping[str, str]) -> dict[str, NDArray[Any]
 
     known = enclose(scene, readings)
     return {"lo": known.lo, "hi": known.hi, "undecidable": known.undecidable}
+
+
+def explain(
+    scene: Scene, row: int, column: int, readings: Mapping[str, str]
+) -> tuple[PixelTree, Enclosures | None]:
+    """Record a pixel's ray tree and enclose it; None where a reading leaves truth no meaning."""
+    from crosstrace.translators.native.explain import explain as record_tree
+    from crosstrace.translators.native.truth import certify as enclose
+
+    tree = record_tree(scene, row, column, readings)
+    if readings.get("offset") == "bound":
+        return tree, None
+    return tree, enclose(scene, readings, pixels=np.array([row * scene.h_res + column]))
+
+
+def pixel(
+    lane: str, scene: Scene, options: RenderOptions, row: int, column: int
+) -> tuple[tuple[float, float, float], float]:
+    """Render, and return one pixel's colour and the half width of the output's quantisation."""
+    made, _ = render(lane, scene, options)
+    red, green, blue = made.image[row, column].tolist()
+    return (red, green, blue), made.half_step
 
 
 def render(

@@ -22,6 +22,9 @@ def readings() -> list[tuple[str, str, str]]:
 def precisions() -> list[str]:
     """Return the precisions that exist on this platform, narrowest first."""
 
+def instructions() -> list[str]:
+    """Return the instruction sets that this processor has, "generic" first."""
+
 def check_reading(name: str, value: str, /) -> tuple[str, str] | None:
     """Return None, or (expected, found)."""
 
@@ -43,6 +46,23 @@ def certify(
     for truth, else the relative error of the arithmetic under test. Raises as `render`.
     """
 
+def explain(
+    scene: tuple[Any, ...],
+    settings: list[tuple[str, str]],
+    row: int,
+    column: int,
+    capacity: int,
+    progress: Callable[[float], object] | None,
+    /,
+) -> tuple[list[tuple[Any, ...]], int, int, tuple[float, float, float]]:
+    """Record the rays of one pixel in double: (rays, how many there are, tree hash, colour).
+
+    The first `capacity` rays are in the list, depth first, each a tuple: kind, parent, depth,
+    object, light, margin_decision, margin_object, inside, total, weight, t_world, light_distance,
+    margin, then triples: origin, direction, point, normal, color, base, diffuse, specular, unsent;
+    clearance. Their meaning is that of `ct_ray_record`. Raises as `render`.
+    """
+
 def render(
     scene: tuple[Any, ...],
     settings: list[tuple[str, str]],
@@ -52,8 +72,9 @@ def render(
 ) -> dict[str, int]:
     """Render into the caller's arrays and return the ray counts.
 
-    `settings` are readings and precision, rounding (nearest, up, down, zero), threads, effects,
-    ray_budget, row_begin, row_end, as texts. `outputs` maps names to C-contiguous arrays over the
+    `settings` are readings and precision, rounding (nearest, up, down, zero), instructions (the
+    most to use: generic, fma, avx2, avx512, native), threads, effects, ray_budget, row_begin,
+    row_end, as texts. `outputs` maps names to C-contiguous arrays over the
     rendered rows: image (3 float64 a pixel), object (int32), t (float64), normal (3 float64), tree
     (uint64), rays (uint32), contributions (6 × 3 float64), image_low (3 float64: what rounding
     `image` to double left out). Raises ValueError for a wrong setting or array, RuntimeError

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from crosstrace.harness.api import load, probe, render, render_full, translate
     from crosstrace.harness.comparison import Comparison, compare
+    from crosstrace.harness.explain import Explanation, explain
     from crosstrace.harness.session import RunOptions, run
     from crosstrace.translators.course import dumps
     from crosstrace.translators.effects import effects
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "crosstrace.harness.api": ("load", "probe", "render", "render_full", "translate"),
     "crosstrace.harness.comparison": ("Comparison", "compare"),
+    "crosstrace.harness.explain": ("Explanation", "explain"),
     "crosstrace.harness.session": ("RunOptions", "run"),
     "crosstrace.translators.course": ("dumps",),
     "crosstrace.translators.effects": ("effects",),
@@ -49,10 +51,10 @@ _HOMES = {
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "LANES", "Comparison", "CrosstraceError", "RendererError", "RendererMissingError", "Rendering",
-    "RunOptions", "Scene", "SceneError", "UnsupportedSceneError", "UsageError", "__version__",
-    "compare", "dumps", "effects", "load", "plane", "probe", "render", "render_full", "run",
-    "sphere", "translate",
+    "LANES", "Comparison", "CrosstraceError", "Explanation", "RendererError",
+    "RendererMissingError", "Rendering", "RunOptions", "Scene", "SceneError",
+    "UnsupportedSceneError", "UsageError", "__version__", "compare", "dumps", "effects", "explain",
+    "load", "plane", "probe", "render", "render_full", "run", "sphere", "translate",
 ]  # fmt: skip
 
 

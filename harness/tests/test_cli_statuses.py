@@ -12,7 +12,7 @@ HEAVY = ("numpy", "mitsuba", "drjit", "OpenImageIO", "skimage", "rich", "jinja2"
 
 @pytest.mark.parametrize("words", [["--help"], ["--version"], *(
     [name, "--help"]
-    for name in ("run", "render", "translate", "compare", "effects", "report", "doctor")
+    for name in ("run", "render", "translate", "compare", "explain", "effects", "report", "doctor")
 )], ids=" ".join)  # fmt: skip
 def test_help_costs_nothing_heavy(words: list[str]) -> None:
     """Help is answered without numpy, a renderer, or any other large package being imported."""
@@ -67,6 +67,14 @@ def test_the_overview_names_every_command_that_there_is() -> None:
     ["run", "nowhere"],
     ["translate", "{scene}", "--to", "radiance"],
     ["compare", "x.npy", "y.npy"],
+    ["explain", "{scene}", "12", "0"],
+    ["explain", "{scene}", "0", "16"],
+    ["explain", "{scene}", "0", "-1"],
+    ["explain", "{scene}", "0"],
+    ["explain", "{scene}", "zero", "0"],
+    ["explain", "{scene}", "0", "0", "--renderers", "radiance"],
+    ["explain", "{scene}", "0", "0", "--set", "tir=never"],
+    ["explain", "nowhere.txt", "0", "0"],
     ["effects", "nowhere.txt"],
     ["report", "report.json"],
     ["report", "{scene}"],

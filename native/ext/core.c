@@ -146,16 +146,25 @@ static PyObject *core_check_reading(PyObject *module, PyObject *arguments) {
   return Py_BuildValue("(ss)", fault.expected, fault.found);
 }
 
-static PyObject *core_precisions(PyObject *module, PyObject *unused) {
-  (void)module, (void)unused;
+static PyObject *list_of_names(const char *(*name_of)(size_t index)) {
   PyObject *list = PyList_New(0);
-  const char *precision;
-  for (size_t i = 0; list && (precision = ct_precision_name(i)) != NULL; i++) {
-    PyObject *name = PyUnicode_FromString(precision);
+  const char *text;
+  for (size_t i = 0; list && (text = name_of(i)) != NULL; i++) {
+    PyObject *name = PyUnicode_FromString(text);
     if (!name || PyList_Append(list, name) != 0) Py_CLEAR(list);
     Py_XDECREF(name);
   }
   return list;
+}
+
+static PyObject *core_precisions(PyObject *module, PyObject *unused) {
+  (void)module, (void)unused;
+  return list_of_names(ct_precision_name);
+}
+
+static PyObject *core_instructions(PyObject *module, PyObject *unused) {
+  (void)module, (void)unused;
+  return list_of_names(ct_instructions_name);
 }
 
 /* ---- The module ---- */
@@ -167,8 +176,12 @@ static PyMethodDef methods[] = {
      "check_scene(scene tuple) -> None or (where, expected, found)"},
     {"readings", core_readings, METH_NOARGS, "readings() -> [(name, default, values), ...]"},
     {"precisions", core_precisions, METH_NOARGS, "precisions() -> [name, ...], narrowest first"},
+    {"instructions", core_instructions, METH_NOARGS,
+     "instructions() -> [name, ...] of the processor's instruction sets, generic first"},
     {"check_reading", core_check_reading, METH_VARARGS,
      "check_reading(name, value) -> None or (expected, found)"},
+    {"explain", core_explain, METH_VARARGS,
+     "explain(scene tuple, settings, row, column, capacity, progress) -> tree; see _core.pyi"},
     {"render", core_render, METH_VARARGS,
      "render(scene tuple, settings, outputs, progress) -> stats; see _core.pyi"},
     {"certify", core_certify, METH_VARARGS,

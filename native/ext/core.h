@@ -53,6 +53,7 @@ int call_progress(void *user, uint64_t done, uint64_t total);
 int call_raise(ct_status status);
 
 PyObject *core_certify(PyObject *module, PyObject *arguments);
+PyObject *core_explain(PyObject *module, PyObject *arguments);
 PyObject *core_render(PyObject *module, PyObject *arguments);
 
 #endif

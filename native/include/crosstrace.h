@@ -123,6 +123,11 @@ CT_API ct_status ct_options_set_precision(ct_options *options, const char *name,
 /* nearest (the default), up, down or zero: the processor's rounding mode while rays are traced, to
  * see how many digits rounding costs. f32, f64 and f80 only: ct_render refuses it elsewhere. */
 CT_API ct_status ct_options_set_rounding(ct_options *options, const char *mode, ct_fault *fault);
+/* The most that may be used of the processor's instruction sets: generic, fma, avx2, avx512, each
+ * of which holds those before it, or native (the default), all that there is. A cap above what the
+ * processor has is no error. Every set gives the same bits; fewer are slower. */
+CT_API ct_status ct_options_set_instructions(ct_options *options, const char *most,
+                                             ct_fault *fault);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
@@ -142,6 +147,9 @@ CT_API const char *ct_reading_values(size_t index);
  *   dd    double-double, 106 bits
  *   f128  __float128, 113 bits */
 CT_API const char *ct_precision_name(size_t index);
+
+/* The instruction sets that this processor has, "generic" first; NULL past the end. */
+CT_API const char *ct_instructions_name(size_t index);
 
 /* ---- Rendering ---- */
 
@@ -224,6 +232,77 @@ typedef struct ct_certify_stats {
 CT_API ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
                             const ct_certify_request *request, const ct_enclosures *out,
                             ct_progress progress, void *user, ct_certify_stats *stats);
+
+/* ---- Explanation ---- */
+
+typedef enum ct_ray_kind {
+  CT_RAY_PRIMARY,
+  CT_RAY_SHADOW,
+  CT_RAY_REFLECTED,
+  CT_RAY_REFRACTED,
+  CT_RAY_TOTALLY_REFLECTED
+} ct_ray_kind;
+
+/* One ray of a pixel's tree. A colour's terms add up: color = base + diffuse + specular + unsent +
+ * the sum over its secondary rays of (their weight / weight) * their color, but for rounding and
+ * for recursion=clamp and scale. So the pixel is the sum over its rays other than shadow rays of
+ * weight * (base + diffuse + specular + unsent).
+ *
+ * `margin` is the relative change of a quantity that would change the nearest decision of this ray
+ * or of its hit: the smallest over the objects i of
+ *   CT_DECISION_NEAREST  (t_i - t) / t of an object behind the hit (0: a tie; a surface that is
+ *                        textually the hit one is no alternative); |r^2 - l^2| / r^2, l the distance
+ *                        of the ray's line from the centre, of a sphere that is hit from outside or
+ *                        missed before the hit; |d.n| of a plane that is hit, or of any plane where
+ *                        nothing is; the distance of the ray's start from a surface that is hit or
+ *                        lies behind it, relative to the magnitudes that it is the difference of;
+ *                        |t - far| / far
+ *   CT_DECISION_SIDE     |n.wo| at the hit, where kt > 0 or a reading asks for the side
+ *   CT_DECISION_TOTAL    |Delta| of the specification's 4.2, where kt > 0 or tir=always
+ *   CT_DECISION_GATE     |n.l|, where specular_gate=lit
+ * and for a shadow ray of
+ *   CT_DECISION_SHADOW   if nothing blocks: the same distances of what nearly does, up to the light,
+ *                        and (t_i - limit) / limit of what stands beyond it. If blocked: the
+ *                        largest over all blockers of how nearly each does not, as all would have
+ *                        to go.
+ * Left out is the surface that the ray leaves: the offset decides about it, and `clearance` is the
+ * distance of the ray's start from it, relative as above. Both are infinity where there is none. */
+typedef struct ct_ray_record {
+  int32_t kind;            /* ct_ray_kind */
+  int32_t margin_decision; /* ct_certify_decision */
+  int32_t inside, total;   /* of the hit: met from inside (n.wo <= 0); totally reflected */
+  int64_t parent;          /* index of the ray whose hit it leaves; -1: none */
+  int64_t depth;           /* bounces before it; of a shadow ray those of its parent */
+  int64_t object;          /* hit, or the first in the file that blocks a shadow ray; -1: none */
+  int64_t light;           /* of a shadow ray; -1 otherwise */
+  int64_t margin_object;   /* that the decision is about; -1: none */
+  /* Product of kr and kt (as they act) down to the ray; a shadow ray has its parent's. */
+  double weight;
+  double origin[3], direction[3]; /* world units; of length 1 */
+  double t_world;                 /* to the hit or the blocker; infinity: none */
+  double point[3], normal[3];     /* of the hit or the blocker, as in the file, unit; 0 0 0: none */
+  double light_distance;          /* of a shadow ray, from the hit to the light; 0 otherwise */
+  double color[3];                /* what the ray returns; a blocked shadow ray 0 0 0 */
+  /* Local terms of the hit, or what returns where nothing is hit (base). Of a shadow ray: what its
+   * light adds to its parent's terms if nothing blocks it. */
+  double base[3], diffuse[3], specular[3];
+  double unsent[3]; /* what exhausted=background adds for rays not sent for want of depth */
+  double margin, clearance;
+} ct_ray_record;
+
+typedef struct ct_pixel_tree {
+  uint64_t n_rays; /* all of them, also those beyond the capacity */
+  uint64_t tree;   /* as in ct_outputs: the same bits as ct_render's */
+  double color[3]; /* the same */
+} ct_pixel_tree;
+
+/* Records the rays of pixel (row, column) in double, depth first in the order in which they are
+ * traced: those of a hit's lights in file order, then the reflected and the refracted one with all
+ * that follows. The first `capacity` of them are written. CT_ERR_OPTION for a precision other than
+ * f64 or a rounding mode other than nearest. */
+CT_API ct_status ct_explain(const ct_scene_view *view, const ct_options *options, int64_t row,
+                            int64_t column, ct_ray_record *records, size_t capacity,
+                            ct_pixel_tree *tree, ct_progress progress, void *user);
 
 CT_API uint64_t ct_max_tree_depth(void);
 

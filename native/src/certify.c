@@ -20,11 +20,13 @@ enum { N_LEVELS = 3, CHUNK = CT_SET_STREAM, RAYS_PER_PIXEL = 1 << 20 };
 enum { SET_STACK_PER_LEVEL = 32768, SET_STACK_LEVELS = 4096 };
 
 /* The kernel of a level, NULL where this platform has none. */
-static const ct_set_kernel *kernel_of(int level) {
+static const ct_set_kernel *kernel_of(int level, ct_instructions cap) {
+  (void)cap;
   if (level == 0) return &ct_set_kernel_f64;
 #if defined(CT_HAVE_FMA_UNITS)
   /* The same bits, faster. */
-  if (level == 1 && __builtin_cpu_supports("fma")) return &ct_set_kernel_dd_fma;
+  if (level == 1 && ct_instructions_usable(cap) >= CT_INSTRUCTIONS_FMA)
+    return &ct_set_kernel_dd_fma;
 #endif
   if (level == 1) return &ct_set_kernel_dd;
 #if defined(__SIZEOF_FLOAT128__)
@@ -178,8 +180,9 @@ ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
   job j = {.frame = &frame, .request = request, .out = out};
   /* What a rounding renderer may return is as wide in any type. */
   int n_wanted = request->kappa > 0 ? 1 : N_LEVELS;
-  while (!status && j.n_levels < n_wanted && kernel_of(j.n_levels)) {
-    const ct_set_kernel *kernel = kernel_of(j.n_levels);
+  const ct_set_kernel *kernel;
+  while (!status && j.n_levels < n_wanted &&
+         (kernel = kernel_of(j.n_levels, options->instructions)) != NULL) {
     void *world = NULL;
     fesetround(kernel->rounding);
     status = kernel->open(&frame, request->kappa, &world);

@@ -53,8 +53,9 @@ typedef struct ct_kernel {
   void (*pixel)(const void *world, int64_t row, int64_t column, ct_pixel *pixel);
 } ct_kernel;
 
-/* The kernel of a precision: index from 0, narrowest first; NULL past the last that exists here. */
-const ct_kernel *ct_precision_kernel(size_t index);
+/* The kernel of a precision: index from 0, narrowest first; NULL past the last that exists here.
+ * `cap` is the most of the processor's instruction sets that it may use. */
+const ct_kernel *ct_precision_kernel(size_t index, ct_instructions cap);
 
 /* The finaliser of splitmix64 (Steele, Lea and Flood 2014) over a running hash: decisions in
  * depth-first order give one number for the tree. */
@@ -66,6 +67,9 @@ static inline uint64_t ct_tree_mix(uint64_t hash, uint64_t value) {
 }
 
 void ct_pixel_report(ct_pixel *pixel);
+
+/* Bytes of stack that a thread needs for trees of that depth. */
+size_t ct_kernel_stack(const ct_kernel *kernel, int64_t max_depth);
 
 /* Counts a ray, and says whether this thread is to give up: asked to, out of budget, too deep. */
 static inline int ct_pixel_must_stop(ct_pixel *pixel, int64_t depth) {

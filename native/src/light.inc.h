@@ -66,6 +66,7 @@ static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
   int at_light = light_counts && world->choice[CT_OFFSET] != CT_OFFSET_MITSUBA;
   pixel->n_shadow++;
   if (ct_pixel_must_stop(pixel, ray->depth)) return 0;
+  ON_FEELER(world, pixel, ray, hit, j, origin, direction, limit);
   for (size_t i = 0; i < world->view->n_objects; i++) {
     if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
         world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
@@ -115,6 +116,7 @@ static void add_lights(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
       shine = highlight(mirrored, wo, m[CT_ETA]);
     }
     int lit = is_diffuse && less(zero, cosine);
+    ON_LIGHT(world, pixel, hit, j, cosine, lit, diffuse, is_specular, shine);
     if (!lit && !less(zero, shine)) continue;
     if ((world->effects & CT_SHADOWS) &&
         is_shadowed(world, pixel, ray, hit, j, at, l, distance)) {

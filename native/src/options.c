@@ -60,6 +60,7 @@ ct_options *ct_options_new(void) {
   if (!options) return NULL;
   options->epsilon = 1e-5;
   options->precision = DEFAULT_PRECISION;
+  options->instructions = CT_INSTRUCTIONS_NATIVE;
   options->effects = CT_ALL_EFFECTS;
   options->ray_budget = DEFAULT_RAY_BUDGET;
   return options;
@@ -137,6 +138,15 @@ ct_status ct_options_set_rounding(ct_options *options, const char *mode, ct_faul
   int found = find_value(modes, mode);
   if (found < 0) return refuse(fault, "rounding", modes, mode);
   options->rounding = found;
+  return CT_OK;
+}
+
+ct_status ct_options_set_instructions(ct_options *options, const char *most, ct_fault *fault) {
+  static const char sets[] = "scalar|generic|fma|avx2|avx512|native";
+  if (!options || !most) return CT_ERR_ARGUMENT;
+  int found = find_value(sets, most);
+  if (found < 0) return refuse(fault, "instructions", sets, most);
+  options->instructions = (ct_instructions)found;
   return CT_OK;
 }
 

@@ -3,6 +3,7 @@
 #define CT_OPTIONS_H
 
 #include "crosstrace.h"
+#include "instructions.h"
 
 /* Choices, in the order of the table in options.c; the values of each, 0 the default. */
 typedef enum ct_choice {
@@ -54,6 +55,7 @@ struct ct_options {
   double far;        /* hits beyond this do not exist; 0: no limit */
   size_t precision; /* index of ct_precision_kernel */
   int rounding;     /* CT_ROUND_... */
+  ct_instructions instructions; /* the most that may be used */
   unsigned effects, n_threads;
   uint64_t ray_budget;
   int64_t row_begin, row_end;

@@ -25,19 +25,21 @@ static const ct_kernel *const ladder[] = {
 #endif
 };
 
-const ct_kernel *ct_precision_kernel(size_t index) {
+const ct_kernel *ct_precision_kernel(size_t index, ct_instructions cap) {
   if (index >= sizeof ladder / sizeof *ladder) return NULL;
 #if defined(CT_HAVE_FMA_UNITS)
   /* The same bits, faster. */
-  if (__builtin_cpu_supports("fma")) {
+  if (ct_instructions_usable(cap) >= CT_INSTRUCTIONS_FMA) {
     if (ladder[index] == &ct_kernel_f64c) return &ct_kernel_f64c_fma;
     if (ladder[index] == &ct_kernel_dd) return &ct_kernel_dd_fma;
   }
+#else
+  (void)cap;
 #endif
   return ladder[index];
 }
 
 const char *ct_precision_name(size_t index) {
-  const ct_kernel *kernel = ct_precision_kernel(index);
+  const ct_kernel *kernel = ct_precision_kernel(index, CT_INSTRUCTIONS_GENERIC);
   return kernel ? kernel->name : NULL;
 }

@@ -3,6 +3,16 @@
 
 #include <math.h>
 
+#if defined(CT_HAVE_LANES)
+extern const ct_set_stream ct_set_stream_generic;
+#endif
+#if defined(CT_HAVE_LANES_AVX2)
+extern const ct_set_stream ct_set_stream_avx2;
+#endif
+#if defined(CT_HAVE_LANES_AVX512)
+extern const ct_set_stream ct_set_stream_avx512;
+#endif
+
 /* Products of four such numbers are far from overflow, their quotients and squares from underflow:
  * the streams do no other checks for either. */
 #define LARGEST 0x1p200
@@ -54,11 +64,15 @@ static int is_eye_on_sphere(const ct_frame *frame) {
 
 const ct_set_stream *ct_set_stream_for(const ct_frame *frame) {
   if (!knows_readings(frame) || is_eye_on_sphere(frame) || !holds_numbers(frame)) return NULL;
-#if defined(CT_HAVE_FMA_UNITS)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl"))
-    return &ct_set_stream_avx512;
-  if (__builtin_cpu_supports("avx2")) return &ct_set_stream_avx2;
+  ct_instructions usable = ct_instructions_usable(frame->options->instructions);
+#if defined(CT_HAVE_LANES_AVX512)
+  if (usable >= CT_INSTRUCTIONS_AVX512) return &ct_set_stream_avx512;
 #endif
-  return &ct_set_stream_generic;
+#if defined(CT_HAVE_LANES_AVX2)
+  if (usable >= CT_INSTRUCTIONS_AVX2) return &ct_set_stream_avx2;
+#endif
+#if defined(CT_HAVE_LANES)
+  if (usable >= CT_INSTRUCTIONS_GENERIC) return &ct_set_stream_generic;
+#endif
+  return NULL;
 }

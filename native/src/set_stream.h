@@ -31,9 +31,4 @@ typedef struct ct_set_stream {
  * can hold its numbers. */
 const ct_set_stream *ct_set_stream_for(const ct_frame *frame);
 
-extern const ct_set_stream ct_set_stream_generic;
-#if defined(CT_HAVE_FMA_UNITS)
-extern const ct_set_stream ct_set_stream_avx2, ct_set_stream_avx512;
-#endif
-
 #endif

@@ -27,7 +27,7 @@ typedef struct SET_FN(colors) {
 } COLORS;
 
 /* The lanes of a vector whose pixels are still worth tracing; counts their rays. */
-static M living_lanes(BATCH *batch, const STREAM *rays, int at) {
+static MASK living_lanes(BATCH *batch, const STREAM *rays, int at) {
   unsigned bits = 0;
   int n = rays->n - at < N_LANES ? rays->n - at : N_LANES;
   for (int k = 0; k < n; k++) {
@@ -41,8 +41,8 @@ static M living_lanes(BATCH *batch, const STREAM *rays, int at) {
 /* The light of the hits of one solid, and their secondary rays. */
 static inline void shade(const SWORLD *world, const STREAM *rays, int at, int is_last,
                          const VI o[3], const VI d[3], const VS3 *d_signed, const NEAREST *nearest,
-                         const SOLID *solid, M lanes, VI color[3], CHILD *mirrored,
-                         CHILD *refracted, M *bad) {
+                         const SOLID *solid, MASK lanes, VI color[3], CHILD *mirrored,
+                         CHILD *refracted, MASK *bad) {
   const WORLD *base = world->base;
   const IV3 *flat = &base->base[solid->object];
   VI sum[3] = {vi_from(flat->x), vi_from(flat->y), vi_from(flat->z)};
@@ -55,7 +55,7 @@ static inline void shade(const SWORLD *world, const STREAM *rays, int at, int is
     for (size_t j = 0; has_light && j < base->view->n_lights; j++)
       add_light(world, &hit, j, lanes, sum, bad);
     if (base->view->delivery == 3 && !is_last)
-      scatter(world, &hit, d, rays, at, m_without(lanes, *bad), mirrored, refracted, bad);
+      scatter(world, &hit, d, rays, at, m_but(lanes, *bad), mirrored, refracted, bad);
   }
   for (int k = 0; k < 3; k++) color[k] = vi_select(lanes, sum[k], color[k]);
 }
@@ -64,38 +64,38 @@ static __attribute__((noinline)) void trace_vector(const SWORLD *world, BATCH *b
                          int64_t depth, COLORS *out, CHILD *mirrored, CHILD *refracted) {
   const WORLD *base = world->base;
   const IV3 *back = &base->background;
-  M lanes = living_lanes(batch, rays, at), bad;
-  if (!m_bits(lanes)) {
-    for (int k = 0; k < 6; k++) v_store(out->channel[k] + at, v_from(0));
+  MASK lanes = living_lanes(batch, rays, at), bad;
+  if (!m_any(lanes)) {
+    for (int k = 0; k < 6; k++) l_store(out->channel[k] + at, l_all(0));
     return;
   }
   VI o[3], d[3];
   for (int k = 0; k < 3; k++) {
-    o[k] = vi(v_load(rays->origin[k] + at), v_load(rays->origin[3 + k] + at));
-    d[k] = vi(v_load(rays->direction[k] + at), v_load(rays->direction[3 + k] + at));
+    o[k] = vi(l_load(rays->origin[k] + at), l_load(rays->origin[3 + k] + at));
+    d[k] = vi(l_load(rays->direction[k] + at), l_load(rays->direction[3 + k] + at));
   }
   MIDDLE q;
-  bad = m_without(lanes, middle_of(o, d, &q));
-  lanes = m_without(lanes, bad);
-  M doubt;
+  bad = m_but(lanes, middle_of(o, d, &q));
+  lanes = m_but(lanes, bad);
+  MASK doubt;
   NEAREST nearest = nearest_of(world, o, d, &q, depth == 0, lanes, &doubt);
   bad = m_or(bad, doubt);
-  lanes = m_without(lanes, bad);
+  lanes = m_but(lanes, bad);
   VI color[3] = {vi_from(back->x), vi_from(back->y), vi_from(back->z)};
   VS3 d_signed = vs3_of(d);
-  double objects[N_LANES];
-  v_store(objects, nearest.object);
-  unsigned left = m_bits(m_without(lanes, v_less(nearest.object, v_from(0))));
+  LANE_ID objects[N_LANES];
+  i_store(objects, nearest.object);
+  unsigned left = m_bits(m_but(lanes, i_equal(nearest.object, i_all(-1))));
   while (left) {
-    double index = objects[__builtin_ctz(left)];
-    M group = m_and(m_from_bits(left), v_equal(nearest.object, v_from(index)));
+    LANE_ID index = objects[__builtin_ctz(left)];
+    MASK group = m_and(m_from_bits(left), i_equal(nearest.object, i_all(index)));
     shade(world, rays, at, depth >= base->frame->max_depth, o, d, &d_signed, &nearest,
           &world->solids[(size_t)index], group, color, mirrored, refracted, &bad);
     left &= ~m_bits(group);
   }
   for (int k = 0; k < 3; k++) {
-    v_store(out->channel[k] + at, color[k].n);
-    v_store(out->channel[3 + k] + at, color[k].h);
+    l_store(out->channel[k] + at, color[k].n);
+    l_store(out->channel[3 + k] + at, color[k].h);
   }
   leave_open(batch, rays, at, bad);
 }
@@ -104,11 +104,12 @@ static __attribute__((noinline)) void trace_vector(const SWORLD *world, BATCH *b
 static void add_child(const CHILD *child, const COLORS *colors, COLORS *out) {
   for (int i = 0; i < child->n_records; i++) {
     const RECORD *r = &child->records[i];
-    M lanes = m_from_bits(r->bits);
+    MASK lanes = m_from_bits(r->bits);
     int to = r->vector * N_LANES;
     for (int k = 0; k < 6; k++) {
-      V more = v_unpack(lanes, v_load(colors->channel[k] + r->at)) * r->weight;
-      v_store(out->channel[k] + to, v_load(out->channel[k] + to) + more);
+      LANES more = l_unpack(lanes, l_load(colors->channel[k] + r->at)) * r->weight;
+      LANES own = l_load(out->channel[k] + to);
+      l_store(out->channel[k] + to, l_blend(lanes, own + more, own));
     }
   }
 }
@@ -146,10 +147,10 @@ static void primary_vector(const SWORLD *world, const double *row, const double 
                           {base->u.z, base->v.z, base->w.z}};
   double size = view->pixel_size, distance = view->screen_distance;
   /* Halves of integers: exact. */
-  V across = v_load(column) - (double)view->h_res / 2 + 0.5;
-  V down = v_load(row) - (double)view->v_res / 2 + 0.5;
+  LANES across = l_load(column) - (double)view->h_res / 2 + 0.5;
+  LANES down = l_load(row) - (double)view->v_res / 2 + 0.5;
   VI x = vi(-across * size, across * size), y = vi(down * size, -down * size);
-  VI z = vi(v_from(distance), v_from(-distance));
+  VI z = vi(l_all(distance), l_all(-distance));
   VI q = vi_add(vi_add(vi_square(x), vi_square(y)), vi_square(z));
   LENGTH length = length_of(q);
   VI direction[3], origin[3];
@@ -158,7 +159,7 @@ static void primary_vector(const SWORLD *world, const double *row, const double 
     VI way = vi_add(vi_add(vi_mul(vi_from(b[0]), x), vi_mul(vi_from(b[1]), y)),
                     vi_mul(vi_from(b[2]), z));
     direction[k] = vi_by_positive(length.inverse, way);
-    origin[k] = vi(v_from(-view->eye[k]), v_from(view->eye[k]));
+    origin[k] = vi(l_all(-view->eye[k]), l_all(view->eye[k]));
   }
   if (base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
     IV near = i_over_positive(i_from(SET_MITSUBA_NEAR), i_from(distance));
@@ -167,10 +168,10 @@ static void primary_vector(const SWORLD *world, const double *row, const double 
       origin[k] = vi_add(origin[k], vi_by_positive(step, direction[k]));
   }
   for (int k = 0; k < 3; k++) {
-    v_store(rays->origin[k] + at, origin[k].n);
-    v_store(rays->origin[3 + k] + at, origin[k].h);
-    v_store(rays->direction[k] + at, direction[k].n);
-    v_store(rays->direction[3 + k] + at, direction[k].h);
+    l_store(rays->origin[k] + at, origin[k].n);
+    l_store(rays->origin[3 + k] + at, origin[k].h);
+    l_store(rays->direction[k] + at, direction[k].n);
+    l_store(rays->direction[3 + k] + at, direction[k].h);
   }
 }
 

@@ -2,5 +2,5 @@
 #include "bound_f64.h"
 
 #define ct_set_stream_set_f64 ct_set_stream_avx2
-#include "set_lanes_avx2.h"
+#include "lanes_avx2.h"
 #include "set_stream.inc.h"

@@ -2,5 +2,5 @@
 #include "bound_f64.h"
 
 #define ct_set_stream_set_f64 ct_set_stream_generic
-#include "set_lanes_generic.h"
+#include "lanes_generic.h"
 #include "set_stream.inc.h"

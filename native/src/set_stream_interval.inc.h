@@ -8,36 +8,36 @@
 #define LANE_U 0x1p-52
 
 typedef struct SET_FN(lanes_interval) {
-  V n, h; /* -lo and hi */
+  LANES n, h; /* -lo and hi */
 } VI;
 
-static inline VI vi(V n, V h) { return (VI){n, h}; }
-static inline VI vi_from(IV a) { return vi(v_from(a.nlo), v_from(a.hi)); }
+static inline VI vi(LANES n, LANES h) { return (VI){n, h}; }
+static inline VI vi_from(IV a) { return vi(l_all(a.nlo), l_all(a.hi)); }
 static inline VI vi_add(VI a, VI b) { return vi(a.n + b.n, a.h + b.h); }
-static inline VI vi_select(M m, VI a, VI b) {
-  return vi(v_select(m, a.n, b.n), v_select(m, a.h, b.h));
+static inline VI vi_select(MASK m, VI a, VI b) {
+  return vi(l_blend(m, a.n, b.n), l_blend(m, a.h, b.h));
 }
 /* The other sign in the lanes m. */
-static inline VI vi_flip(M m, VI a) { return vi(v_select(m, a.h, a.n), v_select(m, a.n, a.h)); }
-static inline VI vi_floor_zero(VI a) { return vi(v_min(a.n, v_from(0)), v_max(a.h, v_from(0))); }
+static inline VI vi_flip(MASK m, VI a) { return vi(l_blend(m, a.h, a.n), l_blend(m, a.n, a.h)); }
+static inline VI vi_floor_zero(VI a) { return vi(l_lesser(a.n, l_all(0)), l_greater(a.h, l_all(0))); }
 
 /* A point of the interval, or near it, and the farthest that the interval reaches from a point. */
-static inline V vi_middle(VI a) { return (a.h - a.n) * 0.5; }
-static inline V vi_reach(VI a, V point) { return v_max(a.h - point, a.n + point); }
+static inline LANES vi_middle(VI a) { return (a.h - a.n) * 0.5; }
+static inline LANES vi_reach(VI a, LANES point) { return l_greater(a.h - point, a.n + point); }
 
 /* s >= 0, a number without error. */
-static inline VI vi_times(V s, VI a) { return vi(s * a.n, s * a.h); }
+static inline VI vi_times(LANES s, VI a) { return vi(s * a.n, s * a.h); }
 
 /* p >= 0 throughout. */
 static inline VI vi_by_positive(VI p, VI a) {
-  V lo = -p.n;
-  return vi(v_max(a.n * p.h, a.n * lo), v_max(a.h * p.h, a.h * lo));
+  LANES lo = -p.n;
+  return vi(l_greater(a.n * p.h, a.n * lo), l_greater(a.h * p.h, a.h * lo));
 }
 /* Both >= 0 throughout. */
 static inline VI vi_of_positives(VI a, VI b) { return vi(a.n * -b.n, a.h * b.h); }
 
 static inline VI vi_square(VI a) {
-  V far = v_max(a.n, a.h), near = v_max(-v_min(a.n, a.h), v_from(0));
+  LANES far = l_greater(a.n, a.h), near = l_greater(-l_lesser(a.n, a.h), l_all(0));
   return vi(near * -near, far * far);
 }
 static inline VI vi_square3(const VI a[3]) {
@@ -46,23 +46,23 @@ static inline VI vi_square3(const VI a[3]) {
 
 /* An interval times the sign of its middle, so that hi >= |lo|: one factor of many products. */
 typedef struct SET_FN(lanes_signed) {
-  V lo, hi;
-  M minus;
+  LANES lo, hi;
+  MASK minus;
 } VS;
 
 static inline VS vs_of(VI a) {
-  return (VS){-v_min(a.n, a.h), v_max(a.n, a.h), v_less(a.h, a.n)};
+  return (VS){-l_lesser(a.n, a.h), l_greater(a.n, a.h), l_less(a.h, a.n)};
 }
 
 static inline VI vs_mul(VS a, VI b, int straddles) {
   b = vi_flip(a.minus, b);
-  VI c = vi(v_max(b.n * a.hi, b.n * a.lo), v_max(b.h * a.hi, b.h * a.lo));
+  VI c = vi(l_greater(b.n * a.hi, b.n * a.lo), l_greater(b.h * a.hi, b.h * a.lo));
   /* The ends' product that counts where a.lo < 0 alone; elsewhere it is one of the others' or less. */
-  if (straddles) c = vi(v_max(b.h * -a.lo, c.n), v_max(b.n * -a.lo, c.h));
+  if (straddles) c = vi(l_greater(b.h * -a.lo, c.n), l_greater(b.n * -a.lo, c.h));
   return c;
 }
 
-static inline int vs_straddles(VS a) { return m_bits(v_less(a.lo, v_from(0))) != 0; }
+static inline int vs_straddles(VS a) { return m_any(l_less(a.lo, l_all(0))); }
 static inline VI vi_mul(VI a, VI b) {
   VS s = vs_of(a);
   return vs_mul(s, b, vs_straddles(s));
@@ -75,8 +75,8 @@ typedef struct SET_FN(lanes_signed3) {
 
 static inline VS3 vs3_of(const VI a[3]) {
   VS3 s = {{vs_of(a[0]), vs_of(a[1]), vs_of(a[2])}, 0};
-  V least = v_min(s.c[0].lo, v_min(s.c[1].lo, s.c[2].lo));
-  s.straddles = m_bits(v_less(least, v_from(0))) != 0;
+  LANES least = l_lesser(s.c[0].lo, l_lesser(s.c[1].lo, s.c[2].lo));
+  s.straddles = m_any(l_less(least, l_all(0)));
   return s;
 }
 
@@ -95,15 +95,15 @@ static inline VI vs3_dot(const VS3 *a, const VI b[3]) {
  */
 typedef struct SET_FN(lanes_length) {
   VI length, inverse;
-  V y, error; /* y and e above */
-  M known;    /* the lanes where all of this holds */
+  LANES y, error; /* y and e above */
+  MASK known;    /* the lanes where all of this holds */
 } LENGTH;
 
 static inline LENGTH length_of(VI q) {
   LENGTH out;
-  V s = v_sqrt(q.h), y = 1.0 / s;
-  V width = (q.h + q.n) * (y * y), e = width * 0.75 + 4 * LANE_U;
-  out.known = m_and(v_at_most(width, v_from(0x1p-5)), v_less(v_from(0x1p-500), q.h));
+  LANES s = l_root(q.h), y = 1.0 / s;
+  LANES width = (q.h + q.n) * (y * y), e = width * 0.75 + 4 * LANE_U;
+  out.known = m_and(l_at_most(width, l_all(0x1p-5)), l_less(l_all(0x1p-500), q.h));
   out.length = vi(s * (e - 1.0), s);
   out.inverse = vi(y * (4 * LANE_U - 1.0), y * (e + 1.0));
   out.y = y;
@@ -113,7 +113,7 @@ static inline LENGTH length_of(VI q) {
 
 /* x^eta for x >= 0 and an exact integer eta >= 1, by repeated squaring. */
 static inline VI vi_power(VI base, double eta) {
-  VI result = vi(v_from(-1), v_from(1));
+  VI result = vi(l_all(-1), l_all(1));
   for (;;) {
     double half = floor(eta / 2);
     if (eta - 2 * half > 0) result = vi_of_positives(result, base);

@@ -13,17 +13,17 @@ typedef struct SET_FN(hits) {
  * t1 = t + g(t) / (t2 - t), and t2 = t - g(t) / (t - t1). XX */
 static inline void enclose_on_sphere(const VI o[3], const VI d[3], const SOLID *s,
                                      const NEAREST *hit, HITS *out) {
-  V zero = v_from(0), t = v_max(hit->t, zero);
+  LANES zero = l_all(0), t = l_greater(hit->t, zero);
   VI l[3];
   for (int k = 0; k < 3; k++)
     l[k] = vi((o[k].n + s->g[k]) + t * d[k].n, (o[k].h - s->g[k]) + t * d[k].h);
-  VI g = vi_add(vi_square3(l), vi(v_from(s->square.hi), v_from(s->square.nlo)));
-  V y = 0.5 / v_magnitude(hit->root);
+  VI g = vi_add(vi_square3(l), vi(l_all(s->square.hi), l_all(s->square.nlo)));
+  LANES y = 0.5 / l_abs(hit->root);
   VI part = vi(y * (0x1p-9 - 1), y * (1 + 0x1p-9));
-  VI shift = vi_by_positive(part, vi_flip(v_less(hit->root, zero), g));
-  V reach = v_max(shift.n, shift.h);
+  VI shift = vi_by_positive(part, vi_flip(l_less(hit->root, zero), g));
+  LANES reach = l_greater(shift.n, shift.h);
   for (int k = 0; k < 3; k++) {
-    V more = reach * v_max(d[k].n, d[k].h);
+    LANES more = reach * l_greater(d[k].n, d[k].h);
     out->across[k] = vi(l[k].n + more, l[k].h + more);
     out->point[k] = vi(out->across[k].n - s->g[k], out->across[k].h + s->g[k]);
   }
@@ -31,17 +31,17 @@ static inline void enclose_on_sphere(const VI o[3], const VI d[3], const SOLID *
 
 static inline void enclose_on_plane(const VI o[3], const VI d[3], const SOLID *s,
                                     const NEAREST *hit, HITS *out) {
-  V t = v_max((hit->h - hit->n) * 0.5, v_from(0));
-  V reach = v_max(hit->h - t, hit->n + t);
+  LANES t = l_greater((hit->h - hit->n) * 0.5, l_all(0));
+  LANES reach = l_greater(hit->h - t, hit->n + t);
   for (int k = 0; k < 3; k++) {
-    V more = reach * v_max(d[k].n, d[k].h);
+    LANES more = reach * l_greater(d[k].n, d[k].h);
     double n = s->g[3 + k];
-    out->across[k] = vi(v_from(-n), v_from(n));
+    out->across[k] = vi(l_all(-n), l_all(n));
     /* Where the plane is one of constant x, y or z, the hit is on it exactly. */
     if (fabs(n) < s->slant)
       out->point[k] = vi((o[k].n + t * d[k].n) + more, (o[k].h + t * d[k].h) + more);
     else
-      out->point[k] = vi(v_from(-s->g[k]), v_from(s->g[k]));
+      out->point[k] = vi(l_all(-s->g[k]), l_all(s->g[k]));
   }
 }
 
@@ -63,17 +63,17 @@ static inline void enclose_hits(const VI o[3], const VI d[3], const VS3 *d_signe
 
 /* Mitsuba's step along the normal, times 1/|across|. */
 static inline VI mitsuba_step(const HITS *hit) {
-  V far = v_from(0), near = far;
+  LANES far = l_all(0), near = far;
   for (int k = 0; k < 3; k++) {
-    far = v_max(v_max(hit->point[k].n, hit->point[k].h), far);
-    near = v_max(-v_min(hit->point[k].n, hit->point[k].h), near);
+    far = l_greater(l_greater(hit->point[k].n, hit->point[k].h), far);
+    near = l_greater(-l_lesser(hit->point[k].n, hit->point[k].h), near);
   }
   VI step = vi((-1.0 - near) * SET_MITSUBA_RAY, (far + 1.0) * SET_MITSUBA_RAY);
   return vi_of_positives(step, hit->inverse);
 }
 
 /* Point + step * across, the other way in the lanes `minus`. */
-static inline void step_aside(const HITS *hit, VI step, M minus, VI out[3]) {
+static inline void step_aside(const HITS *hit, VI step, MASK minus, VI out[3]) {
   for (int k = 0; k < 3; k++)
     out[k] = vi_add(hit->point[k], vi_by_positive(step, vi_flip(minus, hit->across[k])));
 }
@@ -81,15 +81,15 @@ static inline void step_aside(const HITS *hit, VI step, M minus, VI out[3]) {
 /* ---- Lights ---- */
 
 /* The middle of the rays from `origin`, or epsilon beyond it, to a light `way` off. */
-static inline M middle_to_light(const double *light, const VI way[3], const LENGTH *length,
+static inline MASK middle_to_light(const double *light, const VI way[3], const LENGTH *length,
                                 double epsilon, MIDDLE *q) {
-  V reach = v_from(0), size = v_from(epsilon);
+  LANES reach = l_all(0), size = l_all(epsilon);
   for (int k = 0; k < 3; k++) {
-    V w = vi_middle(way[k]);
-    reach = v_max(vi_reach(way[k], w), reach);
+    LANES w = vi_middle(way[k]);
+    reach = l_greater(vi_reach(way[k], w), reach);
     q->d[k] = w * length->y;
     q->o[k] = (light[k] - w) + q->d[k] * epsilon;
-    size = size + v_magnitude(q->o[k]);
+    size = size + l_abs(q->o[k]);
   }
   /* y w is within (reach) y + |y |w| - 1| of the unit direction, and one rounding. */
   q->ed = reach * length->y + (length->error + 4 * LANE_U);
@@ -97,37 +97,37 @@ static inline M middle_to_light(const double *light, const VI way[3], const LENG
   return complete_middle(q);
 }
 
-static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, M lanes, VI sum[3],
-                             M *bad) {
+static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, MASK lanes, VI sum[3],
+                             MASK *bad) {
   const WORLD *base = world->base;
   size_t object = hit->solid->object;
   const double *m = base->view->material + object * CT_MATERIAL_COLUMNS;
   const double *light = base->view->lights + j * CT_LIGHT_COLUMNS + 3;
   int is_diffuse = (base->effects & CT_DIFFUSE) && m[CT_KD] > 0;
   int is_specular = (base->effects & CT_SPECULAR) && m[CT_KS] > 0;
-  V zero = v_from(0);
+  LANES zero = l_all(0);
   VI way[3], shine = vi(zero, zero);
   for (int k = 0; k < 3; k++)
     way[k] = vi(hit->point[k].h - light[k], hit->point[k].n + light[k]);
   LENGTH length = length_of(vi_square3(way));
-  *bad = m_or(*bad, m_without(lanes, length.known));
+  *bad = m_or(*bad, m_but(lanes, length.known));
   VI across = vs3_dot(&hit->across_signed, way);
   VI cosine = vi_by_positive(vi_of_positives(hit->inverse, length.inverse), across);
-  M needed = m_from_bits(0);
-  if (is_diffuse) needed = v_less(zero, cosine.h);
+  MASK needed = m_none();
+  if (is_diffuse) needed = l_less(zero, cosine.h);
   if (is_specular) {
     VI half = vi_mul(cosine, hit->cosine), back = vs3_dot(&hit->direction_signed, way);
     back = vi_by_positive(length.inverse, back);
     shine = vi_floor_zero(vi_add(vi_add(half, half), back));
-    M shines = v_less(zero, shine.h);
+    MASK shines = l_less(zero, shine.h);
     needed = m_or(needed, shines);
     if (m[CT_ETA] == floor(m[CT_ETA]))
       shine = vi_power(shine, m[CT_ETA]);
     else
       *bad = m_or(*bad, m_and(lanes, shines)); /* series are for the scalar kernel */
   }
-  needed = m_without(m_and(needed, lanes), *bad);
-  if (!m_bits(needed)) return;
+  needed = m_but(m_and(needed, lanes), *bad);
+  if (!m_any(needed)) return;
 
   VI c[3];
   cosine = vi_floor_zero(cosine);
@@ -143,15 +143,15 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, M l
     MIDDLE q;
     VI limit = length.length, other = vi_by_positive(length.inverse, across);
     double epsilon = base->epsilon.hi;
-    M known;
+    MASK known;
     if (base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
-      M minus = v_less(across.h, zero);
+      MASK minus = l_less(across.h, zero);
       VI from[3];
-      *bad = m_or(*bad, m_without(needed, m_or(v_less(across.n, zero), v_less(across.h, zero))));
+      *bad = m_or(*bad, m_but(needed, m_or(l_less(across.n, zero), l_less(across.h, zero))));
       step_aside(hit, mitsuba_step(hit), minus, from);
       for (int k = 0; k < 3; k++) way[k] = vi(from[k].h - light[k], from[k].n + light[k]);
       length = length_of(vi_square3(way));
-      limit = vi_times(v_from(1 - SET_MITSUBA_SHADOW), length.length);
+      limit = vi_times(l_all(1 - SET_MITSUBA_SHADOW), length.length);
       known = m_and(length.known, middle_to_light(light, way, &length, 0, &q));
     } else {
       limit = vi(limit.n + epsilon, limit.h - epsilon);
@@ -159,19 +159,19 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, M l
       known = middle_to_light(light, way, &length, epsilon, &q);
     }
     /* A light within epsilon of the hit is not shadowed. */
-    M apart = m_without(needed, v_at_most(limit.h, zero));
-    known = m_and(known, v_less(limit.n, zero));
-    *bad = m_or(*bad, m_without(apart, known));
-    SHADOW shadow = shadow_on(world, &q, j, limit, hit->solid, other, m_without(apart, *bad));
-    M doubtful = m_without(shadow.possible, shadow.sure);
-    V most = v_max(c[0].h, v_max(c[1].h, c[2].h));
-    M negligible = v_at_most(most, v_from(SET_NEGLIGIBLE));
-    *bad = m_or(*bad, m_without(doubtful, negligible));
-    needed = m_without(needed, shadow.sure);
-    for (int k = 0; k < 3; k++) c[k].n = v_select(doubtful, zero, c[k].n);
+    MASK apart = m_but(needed, l_at_most(limit.h, zero));
+    known = m_and(known, l_less(limit.n, zero));
+    *bad = m_or(*bad, m_but(apart, known));
+    SHADOW shadow = shadow_on(world, &q, j, limit, hit->solid, other, m_but(apart, *bad));
+    MASK doubtful = m_but(shadow.possible, shadow.sure);
+    LANES most = l_greater(c[0].h, l_greater(c[1].h, c[2].h));
+    MASK negligible = l_at_most(most, l_all(SET_NEGLIGIBLE));
+    *bad = m_or(*bad, m_but(doubtful, negligible));
+    needed = m_but(needed, shadow.sure);
+    for (int k = 0; k < 3; k++) c[k].n = l_blend(doubtful, zero, c[k].n);
   }
   for (int k = 0; k < 3; k++) {
-    sum[k].n = sum[k].n + v_select(needed, c[k].n, zero);
-    sum[k].h = sum[k].h + v_select(needed, c[k].h, zero);
+    sum[k].n = sum[k].n + l_blend(needed, c[k].n, zero);
+    sum[k].h = sum[k].h + l_blend(needed, c[k].h, zero);
   }
 }

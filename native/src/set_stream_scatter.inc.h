@@ -14,39 +14,39 @@ typedef struct SET_FN(child) {
   ct_medium entered[ROOM]; /* nesting=tracked only */
 } CHILD;
 
-static inline void append(CHILD *child, int vector, M lanes, double weight, const VI origin[3],
-                          const VI direction[3], V slot) {
+static inline void append(CHILD *child, int vector, MASK lanes, double weight, const VI origin[3],
+                          const VI direction[3], LANES slot) {
   STREAM *to = &child->rays;
   unsigned bits = m_bits(lanes);
   if (!bits) return;
   for (int k = 0; k < 3; k++) {
-    v_store(to->origin[k] + to->n, v_pack(lanes, origin[k].n));
-    v_store(to->origin[3 + k] + to->n, v_pack(lanes, origin[k].h));
-    v_store(to->direction[k] + to->n, v_pack(lanes, direction[k].n));
-    v_store(to->direction[3 + k] + to->n, v_pack(lanes, direction[k].h));
+    l_store(to->origin[k] + to->n, l_pack(lanes, origin[k].n));
+    l_store(to->origin[3 + k] + to->n, l_pack(lanes, origin[k].h));
+    l_store(to->direction[k] + to->n, l_pack(lanes, direction[k].n));
+    l_store(to->direction[3 + k] + to->n, l_pack(lanes, direction[k].h));
   }
-  v_store(to->slot + to->n, v_pack(lanes, slot));
+  l_store(to->slot + to->n, l_pack(lanes, slot));
   child->records[child->n_records++] = (RECORD){vector, to->n, bits, weight};
   to->n += __builtin_popcount(bits);
 }
 
-static inline void start_beside(const SWORLD *world, const HITS *hit, M minus, const VI d[3],
+static inline void start_beside(const SWORLD *world, const HITS *hit, MASK minus, const VI d[3],
                                 VI origin[3]) {
   if (world->base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
     step_aside(hit, mitsuba_step(hit), minus, origin);
     return;
   }
-  V epsilon = v_from(world->base->epsilon.hi);
+  LANES epsilon = l_all(world->base->epsilon.hi);
   for (int k = 0; k < 3; k++) origin[k] = vi_add(hit->point[k], vi_times(epsilon, d[k]));
 }
 
 /* Index on the ray's side over that beyond, for each lane. */
 static inline VI ratio_at(const SWORLD *world, const HITS *hit, const STREAM *rays, int at,
-                          M inside, M lanes) {
+                          MASK inside, MASK lanes) {
   const ct_scene_view *view = world->base->view;
   double n = view->material[hit->solid->object * CT_MATERIAL_COLUMNS + CT_N];
   if (world->base->choice[CT_NESTING] != CT_NESTING_TRACKED)
-    return vi_select(inside, vi(v_from(-n), v_from(n)),
+    return vi_select(inside, vi(l_all(-n), l_all(n)),
                      vi_from(i_over_positive(i_from(1), i_from(n))));
   double own[N_LANES], beyond[N_LANES];
   unsigned in = m_bits(inside), used = m_bits(lanes);
@@ -58,56 +58,56 @@ static inline VI ratio_at(const SWORLD *world, const HITS *hit, const STREAM *ra
     own[k] = ct_medium_index(view, medium);
     beyond[k] = ct_medium_index(view, &entered);
   }
-  V a = v_load(own), b = v_load(beyond);
+  LANES a = l_load(own), b = l_load(beyond);
   return vi(-a / b, a / b);
 }
 
 /* Refraction bends by k along the normal, k = (1 - ratio^2)/(sqrt(delta) + ratio cosine): the
  * quotient holds the cosine's error once, where the difference that it equals holds it twice. */
 static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
-                           const STREAM *rays, int at, M lanes, CHILD *mirrored, CHILD *refracted,
-                           M *bad) {
+                           const STREAM *rays, int at, MASK lanes, CHILD *mirrored, CHILD *refracted,
+                           MASK *bad) {
   const WORLD *base = world->base;
   const double *m = base->view->material + hit->solid->object * CT_MATERIAL_COLUMNS;
   double kr = base->effects & CT_REFLECTION ? m[CT_KR] : 0;
   double kt = base->effects & CT_REFRACTION ? m[CT_KT] : 0;
   int bends = m[CT_KT] > 0, vector = at / N_LANES;
   if (!(kr > 0) && !bends) return;
-  V zero = v_from(0), one = v_from(1), slot = v_load(rays->slot + at);
-  M inside = v_less(hit->cosine.h, zero);
-  *bad = m_or(*bad, m_without(lanes, m_or(inside, v_less(hit->cosine.n, zero))));
-  lanes = m_without(lanes, *bad);
+  LANES zero = l_all(0), one = l_all(1), slot = l_load(rays->slot + at);
+  MASK inside = l_less(hit->cosine.h, zero);
+  *bad = m_or(*bad, m_but(lanes, m_or(inside, l_less(hit->cosine.n, zero))));
+  lanes = m_but(lanes, *bad);
   VI cosine = vi_flip(inside, hit->cosine), direction[3], origin[3];
-  M total = m_from_bits(0);
+  MASK total = m_none();
   if (bends) {
     VI ratio = ratio_at(world, hit, rays, at, inside, lanes);
     VI square = vi_of_positives(ratio, ratio), bend = vi(square.h - one, one + square.n);
     VI delta = vi_add(bend, vi_of_positives(square, vi_of_positives(cosine, cosine)));
-    M through = v_less(delta.n, zero);
-    total = v_less(delta.h, zero);
-    M plus = v_at_most(bend.n, zero), minus = v_at_most(bend.h, zero); /* the sign of bend */
-    M known = m_or(total, m_and(through, m_or(plus, minus)));
-    *bad = m_or(*bad, m_without(lanes, known));
-    lanes = m_without(lanes, *bad);
+    MASK through = l_less(delta.n, zero);
+    total = l_less(delta.h, zero);
+    MASK plus = l_at_most(bend.n, zero), minus = l_at_most(bend.h, zero); /* the sign of bend */
+    MASK known = m_or(total, m_and(through, m_or(plus, minus)));
+    *bad = m_or(*bad, m_but(lanes, known));
+    lanes = m_but(lanes, *bad);
     total = m_and(total, lanes);
-    through = m_without(lanes, total);
-    if (kt > 0 && m_bits(through)) {
-      V low = v_sqrt(v_max(-delta.n, zero)) * (1 - 4 * LANE_U), high = v_sqrt(v_max(delta.h, zero));
-      V sum_h = high + ratio.h * cosine.h, sum_n = ratio.n * -cosine.n - low;
-      minus = m_without(minus, plus);
+    through = m_but(lanes, total);
+    if (kt > 0 && m_any(through)) {
+      LANES low = l_root(l_greater(-delta.n, zero)) * (1 - 4 * LANE_U), high = l_root(l_greater(delta.h, zero));
+      LANES sum_h = high + ratio.h * cosine.h, sum_n = ratio.n * -cosine.n - low;
+      minus = m_but(minus, plus);
       bend = vi_of_positives(vi_flip(minus, bend), hit->inverse);
       VI k = vi(bend.n / sum_h, bend.h / -sum_n);
-      M known_sum = v_less(sum_n, v_from(-0x1p-300));
-      *bad = m_or(*bad, m_without(through, known_sum));
+      MASK known_sum = l_less(sum_n, l_all(-0x1p-300));
+      *bad = m_or(*bad, m_but(through, known_sum));
       through = m_and(through, known_sum);
       /* Against the facing normal where bend > 0. */
-      M flip = m_or(m_without(inside, minus), m_without(minus, inside));
+      MASK flip = m_or(m_but(inside, minus), m_but(minus, inside));
       for (int i = 0; i < 3; i++) {
         VI normal = vi_flip(flip, hit->across[i]);
         VI pull = vi_by_positive(k, vi(normal.h, normal.n));
         direction[i] = vi_add(vi_by_positive(ratio, d[i]), pull);
       }
-      start_beside(world, hit, m_without(lanes, inside), direction, origin);
+      start_beside(world, hit, m_but(lanes, inside), direction, origin);
       int first = refracted->rays.n;
       append(refracted, vector, through, kt, origin, direction, slot);
       if (base->choice[CT_NESTING] == CT_NESTING_TRACKED) {
@@ -120,15 +120,15 @@ static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
         }
       }
     }
-    if (!(base->effects & CT_TOTAL_REFLECTION)) total = m_from_bits(0);
+    if (!(base->effects & CT_TOTAL_REFLECTION)) total = m_none();
   }
-  M reflects = m_without(kr > 0 ? lanes : total, *bad);
-  if (!m_bits(reflects)) return;
+  MASK reflects = m_but(kr > 0 ? lanes : total, *bad);
+  if (!m_any(reflects)) return;
   VI twice = vi_add(cosine, cosine), k = vi_of_positives(twice, hit->inverse);
   for (int i = 0; i < 3; i++)
     direction[i] = vi_add(d[i], vi_by_positive(k, vi_flip(inside, hit->across[i])));
   start_beside(world, hit, inside, direction, origin);
-  M parts[2] = {m_and(reflects, total), m_without(reflects, total)};
+  MASK parts[2] = {m_and(reflects, total), m_but(reflects, total)};
   for (int p = 0; p < 2; p++) {
     int first = mirrored->rays.n;
     append(mirrored, vector, parts[p], p == 0 ? 1 : kr, origin, direction, slot);

@@ -33,7 +33,7 @@ typedef struct SET_FN(batch) {
   uint64_t n_rays[CT_SET_STREAM];
 } BATCH;
 
-static void leave_open(BATCH *batch, const STREAM *rays, int at, M lanes) {
+static void leave_open(BATCH *batch, const STREAM *rays, int at, MASK lanes) {
   for (unsigned bits = m_bits(lanes); bits; bits &= bits - 1)
     batch->open[(int)rays->slot[at + __builtin_ctz(bits)]] = 1;
 }

@@ -16,7 +16,10 @@ static VEC background(const WORLD *world) {
 static VEC secondary(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit,
                      VEC direction, const ct_medium *medium, uint64_t *tree) {
   if (ray->depth >= world->frame->max_depth) {
-    if (world->choice[CT_EXHAUSTED] == CT_EXHAUSTED_BACKGROUND) return background(world);
+    if (world->choice[CT_EXHAUSTED] == CT_EXHAUSTED_BACKGROUND) {
+      ON_UNSENT(pixel, background(world));
+      return background(world);
+    }
     return v_zero();
   }
   /* Of length 1 but for rounding, which would grow from bounce to bounce inside glass. */
@@ -58,6 +61,7 @@ static VEC shade(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT 
 
   ct_medium entered;
   SCATTER s = scatter_at(world, ray, hit, m, &entered);
+  ON_SCATTER(world, pixel, ray, hit, &s);
   if (world->choice[CT_MIX] == CT_MIX_CONVEX) {
     REAL rest = sub(sub(from_double(1), s.kr), s.kt);
     split->base = v_scale(rest, split->base);
@@ -69,12 +73,14 @@ static VEC shade(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT 
   REAL zero = from_double(0);
   if (less(zero, s.kr)) {
     if (ray->depth < world->frame->max_depth) pixel->n_reflected++;
+    ON_BRANCH(pixel, s.total ? CT_RAY_TOTALLY_REFLECTED : CT_RAY_REFLECTED, s.kr);
     VEC c = v_scale(s.kr, secondary(world, pixel, ray, hit, s.mirrored, ray->medium, tree));
     *(s.total ? &split->total_reflection : &split->reflection) = c;
     sum = v_add(sum, c);
   }
   if (less(zero, s.kt)) {
     if (ray->depth < world->frame->max_depth) pixel->n_refracted++;
+    ON_BRANCH(pixel, CT_RAY_REFRACTED, s.kt);
     split->refraction =
         v_scale(s.kt, secondary(world, pixel, ray, hit, s.refracted, s.medium, tree));
     sum = v_add(sum, split->refraction);
@@ -88,6 +94,7 @@ static VEC FN(trace)(const WORLD *world, ct_pixel *pixel, const RAY *ray, SPLIT 
   if (ct_pixel_must_stop(pixel, ray->depth)) return v_zero();
   HIT hit = FN(nearest)(world, ray);
   *tree = ct_tree_mix(*tree, (uint64_t)(hit.object + 2));
+  ON_RAY(world, pixel, ray, &hit);
   VEC color;
   if (hit.object >= 0)
     color = shade(world, pixel, ray, &hit, &own, tree);
@@ -96,5 +103,5 @@ static VEC FN(trace)(const WORLD *world, ct_pixel *pixel, const RAY *ray, SPLIT 
   else
     color = v_zero();
   if (split) *split = own;
-  return limit_returned(world, color);
+  return RETURNED(pixel, &own, limit_returned(world, color));
 }

@@ -72,3 +72,5 @@ static HIT FN(nearest)(const WORLD *world, const RAY *ray) {
   }
   return hit;
 }
+
+#include "hooks.inc.h"

@@ -5,6 +5,7 @@
 #include "check.h"
 #include "frame.h"
 #include "random.h"
+#include "test_options.h"
 
 static void cross(const double a[3], const double b[3], double out[3]) {
   for (int i = 0; i < 3; i++)
@@ -48,7 +49,7 @@ static double wide_error(const ct_scene_view *v, const ct_frame *frame) {
 }
 
 int main(void) {
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   const double wide_unit = sizeof(ct_wide) == 16 && (ct_wide)1 + (ct_wide)0x1p-100 > 1 ? 0x1p-113
                                                                                       : 0x1p-64;
   for (double angle = 1e-2; angle > 0.9e-12; angle /= 100) {

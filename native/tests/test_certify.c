@@ -4,30 +4,48 @@
 
 #include "check.h"
 #include "crosstrace.h"
+#include "test_options.h"
 
 #define CAMERA "1 1\n1 1\n0 0 5\n0 0 0\n0 1 0\n0 0 51\n"
 
 typedef struct answer {
   double lo[3], hi[3], alternatives[CT_ALTERNATIVES * 6];
-  uint8_t pixel_class, decision, n_alternatives;
+  uint8_t pixel_class, decision, n_alternatives, level, unused[4];
 } answer;
 
-static answer certify(const char *text, const char *reading, const char *value) {
+static answer certify_capped(const char *text, const char *reading, const char *value,
+                             const char *most, double tolerance) {
   ct_scene *scene;
   ct_fault fault;
   answer a;
+  memset(&a, 0, sizeof a);
   CHECK(ct_scene_parse(text, strlen(text), 0, &scene, &fault) == CT_OK);
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   if (reading) CHECK(ct_options_set(options, reading, value, &fault) == CT_OK);
+  if (most) CHECK(ct_options_set_instructions(options, most, &fault) == CT_OK);
   ct_scene_view view = ct_scene_data(scene);
-  ct_certify_request request = {.tolerance = 1e-9};
+  ct_certify_request request = {.tolerance = tolerance};
   ct_enclosures out = {.lo = a.lo, .hi = a.hi, .pixel_class = &a.pixel_class,
-                       .decision = &a.decision, .n_alternatives = &a.n_alternatives,
-                       .alternatives = a.alternatives};
+                       .decision = &a.decision, .level = &a.level,
+                       .n_alternatives = &a.n_alternatives, .alternatives = a.alternatives};
   CHECK(ct_certify(&view, options, &request, &out, NULL, NULL, NULL) == CT_OK);
   ct_options_free(options);
   ct_scene_free(scene);
   return a;
+}
+
+static answer certify(const char *text, const char *reading, const char *value) {
+  return certify_capped(text, reading, value, NULL, 1e-9);
+}
+
+/* Every instruction set of the processor encloses alike, in each type of bounds. */
+static void instruction_sets_change_no_bit(const char *text, double tolerance, int level) {
+  answer one = certify_capped(text, NULL, NULL, "native", tolerance);
+  CHECK(one.level == level);
+  for (size_t i = 0; ct_instructions_name(i); i++) {
+    answer other = certify_capped(text, NULL, NULL, ct_instructions_name(i), tolerance);
+    CHECK(memcmp(&one, &other, sizeof one) == 0);
+  }
 }
 
 /* The value lies in the enclosure, but for the rounding of the literal itself. */
@@ -45,9 +63,11 @@ int main(void) {
   holds(certify(CAMERA "1\n255 102 0 * 0 0 0 1\n", NULL, NULL), 1, 0.4, 0);
   holds(certify(CAMERA "1\n255 0 0 0.25 0.5 0.125 7 * 0 0 0 1\n255 255 255\n1\n"
                        "255 255 255 0 0 5\n", NULL, NULL), 0.875, 0.125, 0.125);
+  const char *slanted =
+      "1 1\n1 1\n0 0 5\n0 0 0\n0 1 0\n0 0 0\n1\n255 255 255 0 0.5 0.5 2.5 / 0 0 0 0 0 1\n"
+      "0 0 0\n1\n255 255 255 3 0 3\n";
   /* A light at 45 degrees over a plane: n.l = r.wo = sqrt(1/2), whose power 2.5 is 2^-1.25. */
-  holds(certify("1 1\n1 1\n0 0 5\n0 0 0\n0 1 0\n0 0 0\n1\n255 255 255 0 0.5 0.5 2.5 / 0 0 0 0 0 1\n"
-                "0 0 0\n1\n255 255 255 3 0 3\n", NULL, NULL),
+  holds(certify(slanted, NULL, NULL),
         0.5 * sqrt(0.5) + 0.5 * pow(2, -1.25), 0.5 * sqrt(0.5) + 0.5 * pow(2, -1.25),
         0.5 * sqrt(0.5) + 0.5 * pow(2, -1.25));
   holds(certify(CAMERA "2\n1\n0 0 0 0 0 0 1 0 0.5 1.5 * 0 0 0 1\n0 0 0\n0\n", NULL, NULL), 0, 0,
@@ -69,10 +89,15 @@ int main(void) {
 
   /* The ray meets the edge between two planes at an irrational distance: no width of arithmetic
    * tells which is in front. */
-  answer edge = certify("1 1\n1 1\n0 1 5\n0 0 0\n0 1 0\n0 0 51\n2\n255 0 0 / 0 0 0 1 0 1\n"
-                        "0 255 0 / 0 0 0 -1 0 1\n", NULL, NULL);
+  const char *two_planes = "1 1\n1 1\n0 1 5\n0 0 0\n0 1 0\n0 0 51\n2\n255 0 0 / 0 0 0 1 0 1\n"
+                           "0 255 0 / 0 0 0 -1 0 1\n";
+  answer edge = certify(two_planes, NULL, NULL);
   CHECK(edge.pixel_class == CT_UNDECIDABLE_EDGE && edge.decision == CT_DECISION_NEAREST);
   CHECK(edge.n_alternatives == 2);
   CHECK(edge.lo[0] == 0 && edge.hi[0] == 1 && edge.lo[1] == 0 && edge.hi[1] == 1);
+
+  instruction_sets_change_no_bit(slanted, 1e-9, 0);
+  instruction_sets_change_no_bit(slanted, 4e-16, 1);
+  instruction_sets_change_no_bit(two_planes, 1e-9, 2);
   return 0;
 }

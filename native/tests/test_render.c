@@ -5,6 +5,7 @@
 
 #include "check.h"
 #include "crosstrace.h"
+#include "test_options.h"
 
 /* One pixel, looking down the z axis at a unit sphere in front of a background. */
 #define CAMERA "1 1\n1 1\n0 0 5\n0 0 0\n0 1 0\n0 0 51\n"
@@ -14,7 +15,7 @@ static void render(const char *text, const char *reading, const char *value, dou
   ct_scene *scene;
   ct_fault fault;
   CHECK(ct_scene_parse(text, strlen(text), 0, &scene, &fault) == CT_OK);
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   if (reading) CHECK(ct_options_set(options, reading, value, &fault) == CT_OK);
   ct_scene_view view = ct_scene_data(scene);
   ct_outputs outputs = {.image = rgb};
@@ -83,7 +84,7 @@ static void limits_end_in_errors(void) {
   ct_fault fault;
   double rgb[3];
   ct_outputs outputs = {.image = rgb};
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   ct_options_set_ray_budget(options, 1000000);
   CHECK(ct_scene_parse(deep, strlen(deep), 0, &scene, &fault) == CT_OK);
   ct_scene_view view = ct_scene_data(scene);

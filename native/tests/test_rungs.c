@@ -1,10 +1,12 @@
-/* Every precision of the ladder: names, the same bits whatever the threads, depth, rounding modes. */
+/* Every precision of the ladder: names, the same bits whatever the threads and
+ * the processor's instruction sets, depth, rounding modes. */
 #include <math.h>
 #include <string.h>
 
 #include "check.h"
 #include "crosstrace.h"
 #include "kernel.h"
+#include "test_options.h"
 
 enum { SIDE = 33, N = SIDE * SIDE };
 
@@ -35,14 +37,15 @@ static ct_scene *read_scene(const char *text) {
   return scene;
 }
 
-static ct_status render(const char *text, const char *precision, const char *rounding,
-                        unsigned n_threads, frame_result *result) {
+static ct_status render_capped(const char *text, const char *precision, const char *rounding,
+                               const char *most, unsigned n_threads, frame_result *result) {
   ct_fault fault;
   ct_scene *scene = read_scene(text);
   ct_scene_view view = ct_scene_data(scene);
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   CHECK(ct_options_set_precision(options, precision, &fault) == CT_OK);
   CHECK(ct_options_set_rounding(options, rounding, &fault) == CT_OK);
+  if (most) CHECK(ct_options_set_instructions(options, most, &fault) == CT_OK);
   CHECK(ct_options_set(options, "exhausted", "background", &fault) == CT_OK);
   ct_options_set_threads(options, n_threads);
   memset(result, 0xff, sizeof *result);
@@ -53,10 +56,15 @@ static ct_status render(const char *text, const char *precision, const char *rou
   return status;
 }
 
+static ct_status render(const char *text, const char *precision, const char *rounding,
+                        unsigned n_threads, frame_result *result) {
+  return render_capped(text, precision, rounding, NULL, n_threads, result);
+}
+
 static void names_are_listed(void) {
   const char *first[] = {"f32", "f64", "f64c"};
   ct_fault fault;
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   for (size_t i = 0; i < 3; i++) CHECK(strcmp(ct_precision_name(i), first[i]) == 0);
   size_t n = 0;
   while (ct_precision_name(n)) n++;
@@ -119,44 +127,43 @@ static void modes_change_last_digits(const char *name) {
   CHECK(memcmp(&one, &narrow, sizeof one) == 0);
 }
 
-#if defined(CT_HAVE_FMA_UNITS)
-extern const ct_kernel ct_kernel_f64c, ct_kernel_dd, ct_kernel_f64c_fma, ct_kernel_dd_fma;
+/* Index of a precision in the ladder. */
+static size_t index_of(const char *name) {
+  for (size_t i = 0; ct_precision_name(i); i++)
+    if (strcmp(ct_precision_name(i), name) == 0) return i;
+  CHECK(0);
+  return 0;
+}
 
-static void trace_with(const ct_kernel *kernel, const ct_frame *frame, frame_result *result) {
-  ct_shared shared = {.ray_budget = UINT64_MAX};
-  ct_pixel pixel = {.shared = &shared};
-  void *world;
-  CHECK(kernel->open(frame, &world) == CT_OK);
-  for (int64_t i = 0; i < N; i++) {
-    pixel.tree = 0;
-    kernel->pixel(world, i / SIDE, i % SIDE, &pixel);
-    memcpy(result->image + 3 * i, pixel.color, sizeof pixel.color);
-    memcpy(result->low + 3 * i, pixel.color_low, sizeof pixel.color_low);
-    result->tree[i] = pixel.tree;
+static void instruction_sets_change_no_bit(const char *name) {
+  CHECK(render_capped(scene_text, name, "nearest", "native", 2, &one) == CT_OK);
+  for (size_t i = 0; ct_instructions_name(i); i++) {
+    const char *most = ct_instructions_name(i);
+    CHECK(render_capped(scene_text, name, "nearest", most, 2, &other) == CT_OK);
+    CHECK(memcmp(&one, &other, sizeof one) == 0);
   }
-  kernel->close(world);
 }
 
-static void the_fma_instruction_changes_no_bit(void) {
-  if (!__builtin_cpu_supports("fma")) return;
-  ct_scene *scene = read_scene(scene_text);
-  ct_scene_view view = ct_scene_data(scene);
+static void a_cap_on_instruction_sets_is_heeded(void) {
+  ct_fault fault;
   ct_options *options = ct_options_new();
-  ct_frame frame;
-  CHECK(ct_frame_open(&frame, &view, options) == CT_OK);
-  trace_with(&ct_kernel_f64c, &frame, &one);
-  trace_with(&ct_kernel_f64c_fma, &frame, &other);
-  CHECK(memcmp(&one, &other, sizeof one) == 0);
-  trace_with(&ct_kernel_dd, &frame, &one);
-  trace_with(&ct_kernel_dd_fma, &frame, &other);
-  CHECK(memcmp(&one, &other, sizeof one) == 0);
-  ct_frame_close(&frame);
-  ct_options_free(options);
-  ct_scene_free(scene);
-}
-#else
-static void the_fma_instruction_changes_no_bit(void) {}
+  CHECK(strcmp(ct_instructions_name(0), "scalar") == 0 && ct_instructions_name(5) == NULL);
+  CHECK(ct_options_set_instructions(options, "avx512", &fault) == CT_OK);
+  CHECK(ct_options_set_instructions(options, "sse9", &fault) == CT_ERR_OPTION);
+  CHECK(strcmp(fault.expected, "generic|fma|avx2|avx512|native") == 0);
+  CHECK(ct_instructions_usable(CT_INSTRUCTIONS_GENERIC) == CT_INSTRUCTIONS_GENERIC);
+#if defined(CT_HAVE_FMA_UNITS)
+  int has_fma = ct_instructions_name(1) != NULL;
+  CHECK(has_fma == (__builtin_cpu_supports("fma") != 0));
+  for (int k = 0; k < 2; k++) {
+    size_t i = index_of(k ? "dd" : "f64c");
+    const ct_kernel *plain = ct_precision_kernel(i, CT_INSTRUCTIONS_GENERIC);
+    for (int cap = CT_INSTRUCTIONS_FMA; cap <= CT_INSTRUCTIONS_NATIVE; cap++)
+      CHECK((ct_precision_kernel(i, (ct_instructions)cap) != plain) == has_fma);
+  }
 #endif
+  ct_options_free(options);
+}
 
 int main(void) {
   names_are_listed();
@@ -164,7 +171,8 @@ int main(void) {
     precisions_agree(ct_precision_name(i));
     the_deepest_tree_has_stack(ct_precision_name(i));
     modes_change_last_digits(ct_precision_name(i));
+    instruction_sets_change_no_bit(ct_precision_name(i));
   }
-  the_fma_instruction_changes_no_bit();
+  a_cap_on_instruction_sets_is_heeded();
   return 0;
 }

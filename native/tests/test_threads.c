@@ -3,6 +3,7 @@
 
 #include "check.h"
 #include "crosstrace.h"
+#include "test_options.h"
 
 enum { ROWS = 45, COLUMNS = 61 };
 
@@ -27,7 +28,7 @@ int main(void) {
   ct_fault fault;
   CHECK(ct_scene_parse(scene_text, strlen(scene_text), 0, &scene, &fault) == CT_OK);
   ct_scene_view view = ct_scene_data(scene);
-  ct_options *options = ct_options_new();
+  ct_options *options = test_options();
   ct_outputs outputs = {.image = image, .tree = tree};
   ct_options_set_threads(options, 1);
   CHECK(ct_render(&view, options, &outputs, NULL, NULL, NULL) == CT_OK);

@@ -139,3 +139,40 @@ def test_error_free_precisions_refuse_other_rounding_modes(precision: str) -> No
     """Their exact sums need rounding to nearest; nobody gets a map that means nothing."""
     with pytest.raises(UsageError, match="rounding modes: expected f32"):
         digits_lost(parse(ROOM), precision)
+
+
+@pytest.mark.parametrize("precision", _core.precisions())
+def test_every_instruction_set_gives_the_same_bits(precision: str) -> None:
+    """With the processor's instruction sets switched off one by one, no rung changes a bit."""
+    scene = parse(ROOM)
+    images = []
+    for most in ("native", *_core.instructions()):
+        image, low = np.empty((2, *scene.shape))
+        trees = np.empty(scene.shape[:2], np.uint64)
+        settings = [("precision", precision), ("instructions", most)]
+        outputs = {"image": image, "image_low": low, "tree": trees}
+        _core.render(scene.native_view(), settings, outputs, None)
+        images.append((image.tobytes(), low.tobytes(), trees.tobytes()))
+    assert len(images) >= 2
+    assert all(other == images[0] for other in images)
+
+
+def test_every_instruction_set_certifies_alike() -> None:
+    """So do the enclosures, at a tolerance that sends pixels through double-double too."""
+    scene = parse(ROOM)
+    found = []
+    for most in ("native", *_core.instructions()):
+        lo, hi = np.empty((2, *scene.shape))
+        level = np.empty(scene.shape[:2], np.uint8)
+        outputs = {"lo": lo, "hi": hi, "level": level}
+        settings = [("instructions", most)]
+        closed = _core.certify(scene.native_view(), settings, None, 1e-15, 0.0, outputs, None)
+        assert closed["double-double"] > 100
+        found.append((lo.tobytes(), hi.tobytes(), level.tobytes()))
+    assert all(other == found[0] for other in found)
+
+
+def test_an_instruction_set_that_does_not_exist_is_refused() -> None:
+    """A misspelled cap would otherwise switch nothing off."""
+    with pytest.raises(ValueError, match=r"instructions: expected generic\|fma"):
+        _core.render(parse(ROOM).native_view(), [("instructions", "sse9")], {}, None)
