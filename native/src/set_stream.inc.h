@@ -201,8 +201,9 @@ static void SET_FN(batch)(const void *opaque, const int64_t *pixels, int n,
   trace_stream(world, &batch, &rays, 0, &colors);
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < n; i++) {
-      out->lo[k][i] = -colors.channel[k][i];
-      out->hi[k][i] = colors.channel[3 + k][i];
+      /* No zero with a sign, which is the one thing that instruction sets do not agree on. */
+      out->lo[k][i] = 0.0 - colors.channel[k][i];
+      out->hi[k][i] = 0.0 + colors.channel[3 + k][i];
     }
 }
 
