@@ -52,28 +52,28 @@ def render(
     """
     limit_s = options.timeout_s
     task = Task(tasks.render, lane, timeout_s=limit_s, label=lane, on_progress=progress)
-    made: tuple[Rendering, float] = _call(task, lane, scene, options)
+    made: tuple[Rendering, float] = call(task, lane, scene, options)
     return made
 
 
 def probe(lane: str) -> Probe:
     """Ask a lane whether it works here; one that crashes while it is asked does not."""
     label = f"{lane}: looking for it"
-    found: Probe = _call(Task(tasks.probe, lane, timeout_s=PROBE_TIMEOUT_S, label=label), lane)
+    found: Probe = call(Task(tasks.probe, lane, timeout_s=PROBE_TIMEOUT_S, label=label), lane)
     return found
 
 
 def translate(lane: str, scene: Scene, options: RenderOptions | None = None) -> Translation:
     """Have a lane write a scene in its own language."""
     task = Task(tasks.translate, lane, timeout_s=PROBE_TIMEOUT_S, label=lane)
-    made: Translation = _call(task, lane, scene, options or RenderOptions())
+    made: Translation = call(task, lane, scene, options or RenderOptions())
     return made
 
 
 def certify(scene: Scene, readings: Mapping[str, str], timeout_s: float | None) -> Layers:
     """Enclose every pixel: `lo`, `hi` (v_res, h_res, 3) and `undecidable` (v_res, h_res)."""
     task = Task(tasks.certify, "native", timeout_s=timeout_s, label="certifying")
-    known: Layers = _call(task, scene, dict(readings))
+    known: Layers = call(task, scene, dict(readings))
     return known
 
 
@@ -82,7 +82,7 @@ def explain(
 ) -> tuple[PixelTree, Enclosures | None]:
     """Record a pixel's ray tree and enclose its value."""
     task = Task(tasks.explain, "native", timeout_s=timeout_s, label="native: explaining")
-    known: tuple[PixelTree, Enclosures | None] = _call(task, scene, row, column, dict(readings))
+    known: tuple[PixelTree, Enclosures | None] = call(task, scene, row, column, dict(readings))
     return known
 
 
@@ -103,7 +103,8 @@ def pixels(
         raise
 
 
-def _call(task: Task, *args: Any) -> Any:
+def call(task: Task, *args: Any) -> Any:
+    """Run a task of `tasks.py`, or one like them, in the worker of its affinity and wait for it."""
     try:
         return _pool().submit(task, *args).result()
     except (KeyboardInterrupt, SystemExit):

@@ -22,14 +22,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.translators.ledger import Arithmetic, Ledger
-from crosstrace.translators.native.conditioning import Conditioned, judge
-from crosstrace.translators.native.truth import Enclosures, certify
+from crosstrace.harness.unexplained import Unexplained
+from crosstrace.translators.ledger import Arithmetic, Emulation, Ledger
+from crosstrace.translators.native.truth import Enclosures
 from crosstrace.translators.scene import Scene
 
 #: Roundings of a colour that count as quantisation: sums of some lights, products of bounces.
@@ -95,89 +94,37 @@ def classify(
 
     `truth` encloses the whole frame under `readings`. `half_step` is that of the lane's output.
     """
-    shape = image.shape[:2]
     finite = np.isfinite(image).all(axis=-1)
     values = np.where(finite[..., None], image, 0.0)
     slack = tolerance(values, ledger.arithmetic, half_step)
-    classes = np.full(shape, Class.WRONG, np.uint8)
-    fits = _fits(truth, values, slack) & finite
+    classes = np.full(image.shape[:2], Class.WRONG, np.uint8)
+    fits = fits_enclosure(truth, values, slack) & finite
     classes[fits & ~truth.undecidable] = Class.EQUAL
     classes[fits & truth.undecidable] = Class.UNDECIDABLE
-    open_ = _Open(
-        scene, values.reshape(-1, 3), slack.ravel(), np.flatnonzero(~fits & finite),
-        ledger.arithmetic, threads,
+    left = Unexplained(
+        np.flatnonzero(~fits & finite), values.reshape(-1, 3), slack.ravel(), ledger.arithmetic,
+        threads,
     )  # fmt: skip
     flat = classes.reshape(-1)
-    habits = ledger.emulation
-    if habits is not None:
-        flat[open_.take_enclosed(habits.scene, habits.readings)] = Class.MODEL
-    judged = open_.judged(scene, readings)
-    explained = open_.pixels[judged == Conditioned.EXPLAINED]
-    flat[explained] = np.where(
-        truth.undecidable.ravel()[explained], Class.UNDECIDABLE, Class.ROUNDING
-    )
-    flat[open_.pixels[judged == Conditioned.SUSPECT]] = Class.SUSPECT
-    if habits is not None:
-        open_.keep(judged != Conditioned.EXPLAINED)
-        judged = open_.judged(habits.scene, habits.readings)
-        flat[open_.pixels[judged == Conditioned.EXPLAINED]] = Class.MODEL
-        flat[open_.pixels[judged == Conditioned.SUSPECT]] = Class.SUSPECT
+    meanings = [Emulation(scene, readings or {})]
+    if ledger.emulation is not None:
+        meanings.append(ledger.emulation)
+        flat[left.take_enclosed(ledger.emulation)] = Class.MODEL
+    for found, meaning in left.take_rounded(meanings):
+        flat[found] = Class.MODEL if meaning else Class.ROUNDING
+    flat[left.take_possible(meanings)] = Class.SUSPECT
+    # Which of the possible values rounding led to is open where truth itself is.
+    flat[(flat == Class.ROUNDING) & truth.undecidable.ravel()] = Class.UNDECIDABLE
     at_one = half_step + COLOR_UNITS * ledger.arithmetic.color_unit
     return Classified(classes, slack, at_one)
 
 
-def _fits(
+def fits_enclosure(
     known: Enclosures, values: NDArray[np.float64], slack: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
     """Say which values lie in their enclosure, or in one alternative of an undecidable pixel.
 
     Without an enclosure nothing speaks against a value.
     """
-    fits = known.contains(values, slack)
     enclosed = np.isfinite(known.lo).all(axis=-1)
-    return np.asarray(np.where(enclosed, known.fits_alternative(values, slack), fits))
-
-
-class _Open:
-    """The pixels that nothing has explained yet, by flat index, with their values and slack."""
-
-    def __init__(
-        self,
-        scene: Scene,
-        values: NDArray[np.float64],
-        slack: NDArray[np.float64],
-        pixels: NDArray[np.intp],
-        arithmetic: Arithmetic,
-        threads: int,
-    ) -> None:
-        self.pixels = pixels
-        self._values, self._slack = values, slack
-        self._arithmetic, self._threads = arithmetic, threads
-
-    def keep(self, which: NDArray[np.bool_]) -> None:
-        """Go on with some of them."""
-        self.pixels = self.pixels[which]
-
-    def take_enclosed(self, scene: Scene, readings: Mapping[str, str]) -> NDArray[np.intp]:
-        """Take out and return the pixels whose value is certified under other readings."""
-        if not len(self.pixels):
-            return self.pixels
-        known = certify(scene, readings, pixels=self.pixels, threads=self._threads)
-        fits = _fits(known, self._values[self.pixels], self._slack[self.pixels])
-        taken = self.pixels[fits]
-        self.keep(~fits)
-        return taken
-
-    def judged(self, scene: Scene, readings: Mapping[str, str] | None) -> NDArray[Any]:
-        """Judge them as values of the lane's arithmetic, (n,) of `Conditioned`."""
-        if not len(self.pixels):
-            return np.zeros(0, np.uint8)
-        return judge(
-            scene,
-            self._values[self.pixels],
-            pixels=self.pixels,
-            arithmetic=self._arithmetic,
-            readings=readings,
-            slack=self._slack[self.pixels],
-            threads=self._threads,
-        )
+    return np.asarray(~enclosed | known.fits_alternative(values, slack))

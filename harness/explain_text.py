@@ -20,7 +20,7 @@ _KINDS = {
     RayKind.SHADOW: "light",
     RayKind.REFLECTED: "reflected",
     RayKind.REFRACTED: "refracted",
-    RayKind.TOTALLY_REFLECTED: "total reflection",
+    RayKind.TOTALLY_REFLECTED: "total",
 }
 
 _DECISIONS = {
@@ -99,13 +99,14 @@ def _lane(lane: LaneValue) -> str:
 
 
 def _rays(tree: PixelTree) -> Iterator[str]:
-    yield f"{'ray':<27}{'weight':>8} {'hit':<11}{'at':>8}  {'adds':<24}{'margin':>8}"
+    yield _columns("ray", "weight", "hit", "at", " adds", "start", "margin")
     for ray in tree.rays[:MOST_RAYS]:
         yield _line(ray).rstrip()
     rest = tree.n_rays - min(len(tree.rays), MOST_RAYS)
     if rest:
         yield f"... {rest:,} more rays: --json lists the first {len(tree.rays):,}"
     yield "adds: to the pixel; in brackets what a light adds, already in the line of its hit"
+    yield "start: relative distance from the surface that it leaves, which rounding may hit again"
     yield "margin: the relative change that would turn the decision beside it, about that object"
 
 
@@ -115,12 +116,20 @@ def _line(ray: Ray) -> str:
     deep = f" ({ray.depth})" if depth > _DEEPEST else ""
     name = f"{_KINDS[ray.kind]} {ray.light}" if is_shadow else _KINDS[ray.kind]
     label = "  " * min(depth, _DEEPEST) + name + deep
-    hit = _hit(ray, is_shadow)
-    at = "" if math.isinf(ray.t_world) else _short(ray.t_world)
-    adds = _adds(ray, is_shadow)
-    margin = "" if math.isinf(ray.margin) else f"{ray.margin:8.1e} "
-    margin += _decision(ray.margin_decision, ray.margin_object)
-    return f"{label:<27}{_short(ray.weight):>8} {hit:<11}{at:>8}  {adds:<24}{margin}"
+    margin = "" if math.isinf(ray.margin) else f"{ray.margin:.1e} "
+    return _columns(
+        label,
+        _short(ray.weight),
+        _hit(ray, is_shadow),
+        "" if math.isinf(ray.t_world) else _short(ray.t_world),
+        _adds(ray, is_shadow),
+        "" if math.isinf(ray.clearance) else f"{ray.clearance:.0e}",
+        margin + _decision(ray.margin_decision, ray.margin_object),
+    )
+
+
+def _columns(ray: str, weight: str, hit: str, at: str, adds: str, start: str, margin: str) -> str:
+    return f"{ray:<24}{weight:>7} {hit:<10}{at:>7} {adds:<23}{start:>6}  {margin}"
 
 
 def _hit(ray: Ray, is_shadow: bool) -> str:
@@ -144,8 +153,8 @@ def _decision(decision: Decision, index: int) -> str:
 
 
 def _short(value: float) -> str:
-    """Write a number in at most seven characters: 0.1234, 12.35, 1e-05."""
+    """Write a number in at most seven characters: 0.1234, 12.346, 1e-05."""
     size = abs(value)
     if value == 0 or 1e-3 <= size < 1e5:
-        return f"{value:.4f}"[:6].rstrip(".")
+        return f"{value:.{4 - (size >= 10) - (size >= 100) - (size >= 1e3) - (size >= 1e4)}f}"
     return f"{value:.0e}"

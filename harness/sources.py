@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -25,6 +25,8 @@ class Source:
     `expected` is what the scene's index says of the verdict where another renderer is known to be
     wrong: its `verdict`, the lanes to `blame`, and the `cause`. It is of the scene as packaged, at
     its own size; None: the verdict is to be `agree` or `explained`.
+    `stable` is what the index of a packaged scene promises of each precision
+    (translators/native/thresholds.py).
     """
 
     name: str
@@ -33,11 +35,17 @@ class Source:
     about: str = ""
     packaged: bool = False
     expected: Mapping[str, Any] | None = None
+    stable: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 def packaged_names() -> tuple[str, ...]:
     """Return the names of the packaged course scenes, in the order of their index."""
     return tuple(_index(COURSE))
+
+
+def hard_names() -> tuple[str, ...]:
+    """Return the names of the packaged hard scenes, in the order of their index."""
+    return tuple(_index(HARD))
 
 
 def find(
@@ -99,8 +107,8 @@ def _packaged(name: str) -> tuple[str, dict[str, Any]] | None:
 
 def _titled(name: str, scene: Scene, collection: str, entry: dict[str, Any]) -> Source:
     title, about = entry.get("title", entry.get("family", "")), entry.get("about", "")
-    expected = entry.get("expected")
-    return Source(name, scene, title, about, collection == COURSE, expected)
+    of_packaged = entry.get("expected"), entry.get("stable", {})
+    return Source(name, scene, title, about, collection == COURSE, *of_packaged)
 
 
 def _sources(text: str, delivery: int | None) -> list[Source]:

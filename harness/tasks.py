@@ -19,6 +19,7 @@ from crosstrace.translators.errors import RendererError, UnsupportedSceneError
 from crosstrace.translators.renderer import (
     Probe,
     Progress,
+    Renderer,
     Rendering,
     RenderOptions,
     Translation,
@@ -73,14 +74,27 @@ def pixel(
 def render(
     lane: str, scene: Scene, options: RenderOptions, progress: Progress | None = None
 ) -> tuple[Rendering, float]:
-    """Render and check what comes back; return it with the peak memory in MiB.
+    """Render by a lane; return the rendering, checked, and the peak memory in MiB.
 
     The time to load the lane's own code counts as start-up of the first image of a process. Raises
-    UnsupportedSceneError beyond a declared limit, RendererError where the answer is no image.
+    as `drawn`.
     """
     started = time.perf_counter()
     renderer = loaded(lane)
     loading_s = time.perf_counter() - started
+    made, peak_mib = drawn(renderer, scene, options, progress)
+    made.seconds.startup += loading_s
+    return made, peak_mib
+
+
+def drawn(
+    renderer: Renderer, scene: Scene, options: RenderOptions, progress: Progress | None = None
+) -> tuple[Rendering, float]:
+    """Render by a renderer and check what comes back; return it and the peak memory in MiB.
+
+    Raises UnsupportedSceneError beyond a declared limit, RendererError where the answer is no
+    image.
+    """
     limits = renderer.capabilities
     for what, value, limit in (
         ("objects", len(scene), limits.max_objects),
@@ -97,5 +111,4 @@ def render(
         found = getattr(made.image, "shape", type(made.image).__name__)
         raise RendererError(f"{renderer.name}: expected an image {scene.shape}, found {found}")
     made.image = np.ascontiguousarray(made.image, np.float64)
-    made.seconds.startup += loading_s
     return made, memory.mib

@@ -46,6 +46,24 @@ def certify(
     for truth, else the relative error of the arithmetic under test. Raises as `render`.
     """
 
+def perturb(
+    scene: tuple[Any, ...],
+    settings: list[tuple[str, str]],
+    pixels: Any,
+    samples: int,
+    error: float,
+    seed: int,
+    outputs: dict[str, Any],
+    progress: Callable[[float], object] | None,
+    /,
+) -> None:
+    """Render pixels `samples` times each in double with random errors of that relative size.
+
+    `pixels` is as in `certify`. `outputs` maps names to arrays with one entry a pixel: colors
+    (samples × 3 float64), trees (samples uint64). With error 0 every sample equals `render`'s
+    pixel. Raises as `render`.
+    """
+
 def explain(
     scene: tuple[Any, ...],
     settings: list[tuple[str, str]],

@@ -25,7 +25,8 @@ class Entry:
     `effect` is a name of `effects.py` or ``geometry``, ``camera``, ``output``, ``arithmetic``;
     `situation` says in words where it applies; `bound` is the greatest error on linear float where
     one is known; `objects` are the indices concerned (empty: the whole image); `readings` are the
-    names of the emulation's readings that reproduce it (empty: none does).
+    names of the emulation's readings that reproduce it, or ``scene`` where its numbers do (empty:
+    nothing does).
     """
 
     effect: str

@@ -14,6 +14,10 @@ What a name leaves open is settled here:
 - ``refraction=one-way`` takes n on both sides, ``inverted`` 1/n outside and n inside.
 - ``nesting=tracked``: every n is absolute, the world's is 1, and a ray is in the object that it
   entered last and has not left; the eye is in the transparent objects that contain it.
+  ``nesting=interiors`` is POV-Ray's list of interiors: the same, but whether a ray enters or leaves
+  is what the list says, and where the index does not change (leaving an object that is not the
+  innermost) the ray goes straight on and the crossing is no bounce; it still has to be within
+  max_depth.
 - ``tir=…`` where Δ < 0, with kt as 0: kr stays (``ignore``), becomes kr + kt (``add``), kr + 1
   (``plus-one``), 1 where kr > 0 (``needs-kr``); ``always`` applies the default where kt = 0 too.
 - ``inner_reflection=off``: glass reflects inside only totally.

@@ -76,6 +76,18 @@ int call_open_outputs(call *c, PyObject *dict, const named_output *table, size_t
   return 0;
 }
 
+int call_open_pixels(const call *c, PyObject *object, Py_buffer *list, const int64_t **pixels,
+                     uint64_t *n_pixels) {
+  *pixels = NULL;
+  *n_pixels = (uint64_t)(c->scene.view.v_res * c->scene.view.h_res);
+  if (object == Py_None) return 0;
+  Py_ssize_t n = PyObject_Size(object);
+  if (n < 0 || open_buffer(object, 'q', n, 0, "pixels", list) != 0) return -1;
+  *pixels = list->buf;
+  *n_pixels = (uint64_t)n;
+  return 0;
+}
+
 /* Runs in the calling thread about every 50 ms. */
 int call_progress(void *user, uint64_t done, uint64_t total) {
   call *c = user;

@@ -27,16 +27,12 @@ PyObject *core_certify(PyObject *module, PyObject *arguments) {
                         &request.tolerance, &request.kappa, &PyDict_Type, &arrays, &progress) ||
       call_open(&c, scene, settings, progress) != 0)
     return NULL;
-  int has_list = pixels != Py_None;
-  Py_ssize_t n = has_list ? PyObject_Size(pixels)
-                          : (Py_ssize_t)(c.scene.view.v_res * c.scene.view.h_res);
-  if (n < 0 || (has_list && open_buffer(pixels, 'q', n, 0, "pixels", &list) != 0)) {
+  if (call_open_pixels(&c, pixels, &list, &request.pixels, &request.n_pixels) != 0) {
     call_release(&c);
     return NULL;
   }
-  request.pixels = list.buf;
-  request.n_pixels = (uint64_t)n;
-  if (call_open_outputs(&c, arrays, table, sizeof table / sizeof *table, n, &outputs) == 0) {
+  if (call_open_outputs(&c, arrays, table, sizeof table / sizeof *table,
+                        (Py_ssize_t)request.n_pixels, &outputs) == 0) {
     c.thread = PyEval_SaveThread();
     ct_status status =
         ct_certify(&c.scene.view, c.options, &request, &outputs, call_progress, &c, &stats);
@@ -45,7 +41,7 @@ PyObject *core_certify(PyObject *module, PyObject *arguments) {
       result = Py_BuildValue("{s:K,s:K,s:K}", "double", stats.n_closed[0], "double-double",
                              stats.n_closed[1], "float128", stats.n_closed[2]);
   }
-  if (has_list) PyBuffer_Release(&list);
+  if (pixels != Py_None) PyBuffer_Release(&list);
   call_release(&c);
   return result;
 }

@@ -186,6 +186,8 @@ static PyMethodDef methods[] = {
      "render(scene tuple, settings, outputs, progress) -> stats; see _core.pyi"},
     {"certify", core_certify, METH_VARARGS,
      "certify(scene tuple, settings, pixels, tolerance, kappa, outputs, progress) -> counts"},
+    {"perturb", core_perturb, METH_VARARGS,
+     "perturb(scene tuple, settings, pixels, samples, error, seed, outputs, progress); see _core.pyi"},
     {NULL, NULL, 0, NULL}};
 
 static int module_exec(PyObject *module) {

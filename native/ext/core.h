@@ -48,11 +48,16 @@ typedef struct named_output {
 int call_open(call *c, PyObject *scene, PyObject *settings, PyObject *progress);
 int call_open_outputs(call *c, PyObject *dict, const named_output *table, size_t n_named,
                       Py_ssize_t n_items, void *outputs);
+/* The pixels asked for: an array of int64, held in *list until PyBuffer_Release, or None for all
+ * (*pixels is then NULL and nothing is held). */
+int call_open_pixels(const call *c, PyObject *object, Py_buffer *list, const int64_t **pixels,
+                     uint64_t *n_pixels);
 void call_release(call *c);
 int call_progress(void *user, uint64_t done, uint64_t total);
 int call_raise(ct_status status);
 
 PyObject *core_certify(PyObject *module, PyObject *arguments);
+PyObject *core_perturb(PyObject *module, PyObject *arguments);
 PyObject *core_explain(PyObject *module, PyObject *arguments);
 PyObject *core_render(PyObject *module, PyObject *arguments);
 

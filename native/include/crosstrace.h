@@ -266,7 +266,9 @@ typedef enum ct_ray_kind {
  *                        largest over all blockers of how nearly each does not, as all would have
  *                        to go.
  * Left out is the surface that the ray leaves: the offset decides about it, and `clearance` is the
- * distance of the ray's start from it, relative as above. Both are infinity where there is none. */
+ * distance of the ray's start from it, relative as above. Both are infinity where there is none.
+ * Measured on 18 scenes: wherever float32 decides otherwise than double, one of the two is below
+ * 6e-6 for some ray of the pixel. */
 typedef struct ct_ray_record {
   int32_t kind;            /* ct_ray_kind */
   int32_t margin_decision; /* ct_certify_decision */
@@ -305,6 +307,32 @@ CT_API ct_status ct_explain(const ct_scene_view *view, const ct_options *options
                             ct_pixel_tree *tree, ct_progress progress, void *user);
 
 CT_API uint64_t ct_max_tree_depth(void);
+
+/* ---- Conditioning ---- */
+
+typedef struct ct_perturb_request {
+  const int64_t *pixels; /* indices row * h_res + column; NULL: all */
+  uint64_t n_pixels;     /* of that list */
+  uint64_t n_samples;    /* renders of each pixel */
+  /* Relative error of the arithmetic under test, as ct_certify_request.kappa: every component of
+   * a direction, and of a hit relative to |origin| + |point|, is moved by up to that much,
+   * uniformly. 0: every sample is ct_render's pixel, bit for bit. */
+  double error;
+  uint64_t seed;
+} ct_perturb_request;
+
+/* Where samples go, n_samples a pixel asked for; every pointer may be NULL. */
+typedef struct ct_samples {
+  double *colors;  /* x n_samples x 3 */
+  uint64_t *trees; /* x n_samples: hash of the ray tree's decisions */
+} ct_samples;
+
+/* Renders pixels again and again in double with small random errors, to see what rounding may do to
+ * them. A sample depends on the seed, its pixel and its number alone. CT_ERR_OPTION for a precision
+ * other than f64 or a rounding mode other than nearest. */
+CT_API ct_status ct_perturb(const ct_scene_view *view, const ct_options *options,
+                            const ct_perturb_request *request, const ct_samples *out,
+                            ct_progress progress, void *user);
 
 #ifdef __cplusplus
 }

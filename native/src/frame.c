@@ -120,6 +120,27 @@ static ct_status find_lights_on(ct_frame *frame) {
   return CT_OK;
 }
 
+/* The nearest float other than 0 and infinity, and for 1 the next above it: POV-Ray bends nothing
+ * where the index is 1, and its users write this. */
+static double float_index(double n) {
+  float rounded = n > (double)FLT_MAX ? FLT_MAX : n < (double)FLT_MIN ? FLT_MIN : (float)n;
+  return (double)(rounded == 1.0f ? 1.0f + FLT_EPSILON : rounded);
+}
+
+static ct_status set_indices(ct_frame *frame) {
+  size_t n = frame->view.n_objects;
+  if (frame->options->choice[CT_INDEX] != CT_INDEX_FLOAT32 || n == 0) return CT_OK;
+  frame->material = malloc(n * CT_MATERIAL_COLUMNS * sizeof *frame->material);
+  if (!frame->material) return CT_ERR_MEMORY;
+  memcpy(frame->material, frame->view.material, n * CT_MATERIAL_COLUMNS * sizeof(double));
+  for (size_t i = 0; i < n; i++) {
+    double *index = frame->material + i * CT_MATERIAL_COLUMNS + CT_N;
+    if (*index > 0) *index = float_index(*index); /* 0: an object that bends nothing */
+  }
+  frame->view.material = frame->material;
+  return CT_OK;
+}
+
 static size_t count_planes(const ct_scene_view *view) {
   size_t n = 0;
   for (size_t i = 0; i < view->n_objects; i++) n += view->kind[i] == CT_PLANE;
@@ -155,12 +176,14 @@ ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_opt
     frame->plane_slot[i] = slot++;
   }
   ct_status status = find_lights_on(frame);
+  if (!status) status = set_indices(frame);
   if (status) ct_frame_close(frame);
   return status;
 }
 
 void ct_frame_close(ct_frame *frame) {
   free(frame->lights_on);
+  free(frame->material);
   free(frame->eye_on);
   free(frame->plane_normal);
   free(frame->plane_slot);

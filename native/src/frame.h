@@ -10,6 +10,7 @@ typedef struct ct_frame {
   ct_scene_view view;
   const ct_options *options;
   ct_wide u[3], v[3], w[3]; /* specification 2.3 */
+  double *material; /* view.material with other indices, where a reading asks for them; or NULL */
   size_t n_planes;
   uint32_t *plane_slot;   /* n_objects; meaningful where kind is CT_PLANE */
   ct_wide *plane_normal;  /* n_planes x 3, unit */

@@ -20,6 +20,13 @@ typedef struct ct_medium {
 /* The index of the innermost object that the ray is in; 1 in none. */
 double ct_medium_index(const ct_scene_view *view, const ct_medium *medium);
 
+/* The crossing of an object's surface: out of it from its inside, or, under nesting=interiors, where
+ * the list says that the ray is in it. */
+ct_medium ct_medium_crossed(int nesting, const ct_medium *medium, size_t object, int inside);
+
+/* Whether the ray goes straight on, as no bounce (nesting=interiors): the index stays the same. */
+int ct_medium_passes(const ct_scene_view *view, int nesting, const ct_medium *crossing);
+
 /* The transparent objects around the eye, outermost first, as a list of crossings. */
 const ct_medium *ct_media_around_eye(const ct_scene_view *view,
                                      ct_medium media[CT_MEDIA_AROUND_EYE]);
@@ -42,6 +49,10 @@ typedef struct ct_pixel {
   int32_t object;
   double t_world, normal[3];
   uint64_t tree;
+  /* Of the perturbed kernel: how far to move things, relative to their scale, and a stream of random
+   * numbers that is the pixel's and the sample's own. */
+  double error;
+  uint64_t stream, n_draws;
 } ct_pixel;
 
 typedef struct ct_kernel {

@@ -1,7 +1,8 @@
 /* The tracing kernel of one precision. The includer defines the scalar type (real_*.h), picks the
  * primitives (CT_PRIMITIVES), names the kernel (CT_RUNG), says how much stack one level of its
  * recursion needs (CT_STACK_PER_LEVEL) and whether it may run in any rounding mode
- * (CT_TAKES_ROUNDING); this text defines FN(ct_kernel).
+ * (CT_TAKES_ROUNDING); this text defines FN(ct_kernel). CT_PERTURBED makes it the kernel that moves
+ * directions and hits by random errors; elsewhere those places cost nothing.
  */
 #include <stdlib.h>
 
@@ -10,6 +11,13 @@
 #include "power.inc.h"
 #include CT_PRIMITIVES
 #include "world.inc.h"
+#ifdef CT_PERTURBED
+#include "perturb.inc.h"
+#else
+#define NUDGED(pixel, direction) ((void)(pixel), (direction))
+#define IS_NUDGED(pixel) 0
+#define NUDGE_HIT(world, pixel, ray, hit) ((void)0)
+#endif
 #include "light.inc.h"
 #include "scatter.inc.h"
 #include "trace.inc.h"
@@ -35,6 +43,7 @@ static ct_status FN(open)(const ct_frame *frame, void **out) {
   int twice = frame->options->choice[CT_EPSILON_TWICE];
   world->epsilon = mul(from_double(twice ? 2 : 1), from_double(frame->options->epsilon));
   world->shadow_min = from_double(frame->options->shadow_min);
+  world->light_min = from_double(frame->options->light_min);
   world->far = from_double(frame->options->far);
   world->has_far = frame->options->far > 0;
   *out = world;
@@ -48,7 +57,7 @@ static void FN(close)(void *opaque) {
 }
 
 /* The ray through the centre of pixel (row, column) (specification 2.3). */
-static RAY FN(primary)(const WORLD *world, int64_t row, int64_t column) {
+static RAY FN(primary)(const WORLD *world, ct_pixel *pixel, int64_t row, int64_t column) {
   const ct_scene_view *v = world->view;
   REAL s = from_double(v->pixel_size);
   /* Halves of integers: exact in every type. */
@@ -56,7 +65,7 @@ static RAY FN(primary)(const WORLD *world, int64_t row, int64_t column) {
   REAL y = neg(mul(s, from_double((double)row - (double)v->v_res / 2 + 0.5)));
   VEC way = v_sub(v_add(v_scale(x, world->u), v_scale(y, world->v)),
                   v_scale(from_double(v->screen_distance), world->w));
-  RAY ray = {world->eye, v_over(way, v_length(way)), 0, 1, NULL};
+  RAY ray = {world->eye, NUDGED(pixel, v_over(way, v_length(way))), 0, 1, NULL};
   if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
     REAL forward = neg(v_dot(ray.direction, world->w));
     ray.origin = v_along(ray.origin, quo(from_double(MITSUBA_NEAR), forward), ray.direction);
@@ -66,10 +75,10 @@ static RAY FN(primary)(const WORLD *world, int64_t row, int64_t column) {
 
 static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel *pixel) {
   const WORLD *world = opaque;
-  RAY ray = FN(primary)(world, row, column);
+  RAY ray = FN(primary)(world, pixel, row, column);
   SPLIT split;
   ct_medium around[CT_MEDIA_AROUND_EYE];
-  if (world->choice[CT_NESTING] == CT_NESTING_TRACKED)
+  if (world->choice[CT_NESTING] != CT_NESTING_RELATIVE)
     ray.medium = ct_media_around_eye(world->view, around);
   VEC color = FN(trace)(world, pixel, &ray, &split, &pixel->tree);
   v_store(color, pixel->color);

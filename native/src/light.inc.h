@@ -36,12 +36,14 @@ static VEC offset_origin(const WORLD *world, const RAY *ray, const HIT *hit, VEC
 
 /* ---- Shadows (specification 3.2, 3.3) ---- */
 
-/* Where a light lies on a sphere, one root is the light itself, and the other 2b minus it. */
-static int blocks_own_light(const WORLD *world, size_t i, VEC origin, VEC direction, REAL limit) {
+/* Where a light lies on a sphere, one root is the light itself, at `reach`, and the other 2b minus
+ * it. */
+static int blocks_own_light(const WORLD *world, size_t i, VEC origin, VEC direction, REAL reach,
+                            REAL limit) {
   const double *g = world->view->geometry + i * CT_GEOMETRY_COLUMNS;
   if (world->view->kind[i] == CT_PLANE) return 0;
   REAL b = neg(v_dot(v_sub(origin, v_load(g)), direction));
-  REAL other = sub(mul(from_double(2), b), limit);
+  REAL other = sub(mul(from_double(2), b), reach);
   return less(world->shadow_min, other) && less(other, limit);
 }
 
@@ -49,17 +51,20 @@ static int blocks_own_light(const WORLD *world, size_t i, VEC origin, VEC direct
  * from the hit to the light. */
 static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit,
                        size_t j, VEC light, VEC to_light, REAL distance) {
-  REAL zero = from_double(0), limit;
+  REAL zero = from_double(0), reach; /* from where the ray starts to the light */
   VEC origin = offset_origin(world, ray, hit, to_light, 1), direction = to_light;
   if (world->choice[CT_OFFSET] == CT_OFFSET_DIRECTION) {
-    limit = sub(distance, world->epsilon);
+    reach = sub(distance, world->epsilon);
   } else {
     VEC way = v_sub(light, origin);
-    limit = v_length(way);
-    if (!less(zero, limit)) return 0;
-    direction = v_over(way, limit);
-    if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA)
-      limit = mul(limit, from_double(1 - MITSUBA_SHADOW_EPSILON));
+    reach = v_length(way);
+    if (!less(zero, reach)) return 0;
+    direction = NUDGED(pixel, v_over(way, reach));
+  }
+  REAL limit = sub(reach, world->light_min); /* blockers stand nearer than this */
+  if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
+    REAL shortened = mul(reach, from_double(1 - MITSUBA_SHADOW_EPSILON));
+    if (less(shortened, limit)) limit = shortened;
   }
   int light_counts = world->choice[CT_SHADOW_DISTANCE] == CT_SHADOW_DISTANCE_LIGHT;
   if (light_counts && !less(zero, limit)) return 0; /* a light within epsilon of the hit */
@@ -71,8 +76,8 @@ static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
     if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
         world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
       continue;
-    if (at_light && ct_light_is_on(world->frame, j, i)) {
-      if (blocks_own_light(world, i, origin, direction, limit)) return 1;
+    if (at_light && !IS_NUDGED(pixel) && ct_light_is_on(world->frame, j, i)) {
+      if (blocks_own_light(world, i, origin, direction, reach, limit)) return 1;
       continue;
     }
     REAL t = object_nearest(world, i, origin, direction, 0, world->shadow_min);
@@ -109,7 +114,7 @@ static void add_lights(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
     VEC at = v_load(light + 3), way = v_sub(at, hit->point);
     REAL distance = v_length(way);
     if (!less(zero, distance)) continue; /* the light is the hit: no direction to it */
-    VEC l = v_over(way, distance);
+    VEC l = NUDGED(pixel, v_over(way, distance));
     REAL cosine = v_dot(n, l), shine = zero;
     if (is_specular && (less(zero, cosine) || world->choice[CT_SPECULAR_GATE] == 0)) {
       VEC mirrored = v_sub(v_scale(mul(from_double(2), cosine), n), l);

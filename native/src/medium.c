@@ -1,17 +1,48 @@
-/* Which object's interior a ray is in, for the reading nesting=tracked. */
-#include "kernel.h"
+/* Which object's interior a ray is in, for the readings nesting=tracked and nesting=interiors. */
+#include <math.h>
 
-/* Walks back over the crossings and skips an entry for every later exit from the same object. The
+#include "kernel.h"
+#include "options.h"
+
+/* The entry into the object that was entered last and is not left; NULL: none.
+ *
+ * Walks back over the crossings and skips an entry for every later exit from the same object. The
  * list is as long as the path, so the square of its length is still small. */
-double ct_medium_index(const ct_scene_view *view, const ct_medium *medium) {
+static const ct_medium *innermost(const ct_medium *medium) {
   for (const ct_medium *m = medium; m; m = m->before) {
     if (m->change < 0) continue;
     int balance = 1;
     for (const ct_medium *later = medium; later != m; later = later->before)
       if (later->object == m->object) balance += later->change;
-    if (balance > 0) return view->material[m->object * CT_MATERIAL_COLUMNS + CT_N];
+    if (balance > 0) return m;
   }
-  return 1;
+  return NULL;
+}
+
+double ct_medium_index(const ct_scene_view *view, const ct_medium *medium) {
+  const ct_medium *m = innermost(medium);
+  return m ? view->material[m->object * CT_MATERIAL_COLUMNS + CT_N] : 1;
+}
+
+static int is_in(const ct_medium *medium, size_t object) {
+  int balance = 0;
+  for (const ct_medium *m = medium; m; m = m->before)
+    if (m->object == object) balance += m->change;
+  return balance > 0;
+}
+
+ct_medium ct_medium_crossed(int nesting, const ct_medium *medium, size_t object, int inside) {
+  int leaves = nesting == CT_NESTING_INTERIORS ? is_in(medium, object) : inside;
+  return (ct_medium){medium, object, leaves ? -1 : 1};
+}
+
+/* POV-Ray's EPSILON, within which two indices are one (its frame.h). */
+#define SAME_INDEX 1e-10
+
+int ct_medium_passes(const ct_scene_view *view, int nesting, const ct_medium *crossing) {
+  if (nesting != CT_NESTING_INTERIORS) return 0;
+  double before = ct_medium_index(view, crossing->before), after = ct_medium_index(view, crossing);
+  return fabs(before / after - 1) < SAME_INDEX;
 }
 
 static int contains_eye(const ct_scene_view *view, size_t i) {

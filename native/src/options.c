@@ -35,14 +35,16 @@ static const struct {
     [CT_EXHAUSTED] = {"exhausted", "black", "black|background"},
     [CT_MISS] = {"miss", "background", "background|black"},
     [CT_SIDE] = {"refraction", "relative", "relative|inverted|one-way"},
-    [CT_NESTING] = {"nesting", "relative", "relative|tracked"},
+    [CT_NESTING] = {"nesting", "relative", "relative|tracked|interiors"},
     [CT_TIR] = {"tir", "replace", "replace|ignore|add|plus-one|needs-kr|always"},
     [CT_INNER_REFLECTION] = {"inner_reflection", "on", "on|off"},
     [CT_RECURSION] = {"recursion", "free", "free|clamp|scale"},
+    [CT_INDEX] = {"index", "exact", "exact|float32"},
     /* Numeric readings. */
     [CT_N_CHOICES] = {"epsilon", "1e-5", "NUMBER"},
     [CT_N_CHOICES + 1] = {"shadow_min", "0", "NUMBER"},
-    [CT_N_CHOICES + 2] = {"far", "0", "NUMBER"},
+    [CT_N_CHOICES + 2] = {"light_min", "0", "NUMBER"},
+    [CT_N_CHOICES + 3] = {"far", "0", "NUMBER"},
 };
 
 enum { N_READINGS = sizeof table / sizeof *table };
@@ -96,7 +98,8 @@ static ct_status set_number(ct_options *options, size_t index, const char *value
   if (outcome == CT_NUMBER_NO_MEMORY) return CT_ERR_MEMORY;
   if (outcome != CT_NUMBER_OK || number < 0 || number > CT_LARGEST)
     return refuse(fault, table[index].name, "a number from 0 to 1e100", value);
-  double *fields[] = {&options->epsilon, &options->shadow_min, &options->far};
+  double *fields[] = {&options->epsilon, &options->shadow_min, &options->light_min,
+                      &options->far};
   *fields[index - CT_N_CHOICES] = number;
   return CT_OK;
 }

@@ -25,6 +25,7 @@ typedef enum ct_choice {
   CT_TIR,
   CT_INNER_REFLECTION,
   CT_RECURSION,
+  CT_INDEX,
   CT_N_CHOICES
 } ct_choice;
 
@@ -41,10 +42,11 @@ enum { CT_DEPTH_AS_GIVEN, CT_DEPTH_MINUS_ONE, CT_DEPTH_PLUS_ONE };
 enum { CT_EXHAUSTED_BLACK, CT_EXHAUSTED_BACKGROUND };
 enum { CT_MISS_BACKGROUND, CT_MISS_BLACK };
 enum { CT_SIDE_RELATIVE, CT_SIDE_INVERTED, CT_SIDE_ONE_WAY };
-enum { CT_NESTING_RELATIVE, CT_NESTING_TRACKED };
+enum { CT_NESTING_RELATIVE, CT_NESTING_TRACKED, CT_NESTING_INTERIORS };
 enum { CT_TIR_REPLACE, CT_TIR_IGNORE, CT_TIR_ADD, CT_TIR_PLUS_ONE, CT_TIR_NEEDS_KR, CT_TIR_ALWAYS };
 enum { CT_INNER_REFLECTION_ON, CT_INNER_REFLECTION_OFF };
 enum { CT_RECURSION_FREE, CT_RECURSION_CLAMP, CT_RECURSION_SCALE };
+enum { CT_INDEX_EXACT, CT_INDEX_FLOAT32 };
 
 enum { CT_ROUND_NEAREST, CT_ROUND_UP, CT_ROUND_DOWN, CT_ROUND_ZERO };
 
@@ -52,6 +54,7 @@ struct ct_options {
   int choice[CT_N_CHOICES];
   double epsilon;    /* world units */
   double shadow_min; /* shadow hits at or nearer than this do not block */
+  double light_min;  /* shadow hits as near as this to the light do not block */
   double far;        /* hits beyond this do not exist; 0: no limit */
   size_t precision; /* index of ct_precision_kernel */
   int rounding;     /* CT_ROUND_... */

@@ -5,7 +5,7 @@
 typedef struct FN(scatter) {
   VEC mirrored, refracted;
   REAL kr, kt;
-  int total, inside;
+  int total, inside, passes; /* passes: refraction is no bounce */
   const ct_medium *medium;
 } FN(scatter);
 #define SCATTER FN(scatter)
@@ -16,8 +16,9 @@ static INDEX seen_index(const WORLD *world, const RAY *ray, size_t object, int i
   const double *m = world->view->material + object * CT_MATERIAL_COLUMNS;
   REAL one = from_double(1), n = from_double(m[CT_N]);
   int side = world->choice[CT_SIDE];
-  if (world->choice[CT_NESTING] == CT_NESTING_TRACKED) {
-    *entered = (ct_medium){ray->medium, object, inside ? -1 : 1};
+  int nesting = world->choice[CT_NESTING];
+  if (nesting != CT_NESTING_RELATIVE) {
+    *entered = ct_medium_crossed(nesting, ray->medium, object, inside);
     *medium = entered;
     return (INDEX){from_double(ct_medium_index(world->view, *medium)),
                    from_double(ct_medium_index(world->view, ray->medium))};
@@ -45,6 +46,12 @@ static SCATTER scatter_at(const WORLD *world, const RAY *ray, const HIT *hit, co
   if (!(m[CT_KT] > 0 || (tir == CT_TIR_ALWAYS && m[CT_N] > 0))) return s;
 
   INDEX index = seen_index(world, ray, (size_t)hit->object, s.inside, entered, &s.medium);
+  if (s.medium == entered && ct_medium_passes(world->view, world->choice[CT_NESTING], entered)) {
+    s.passes = 1;
+    s.refracted = ray->direction;
+    if (world->effects & CT_REFRACTION) s.kt = from_double(m[CT_KT]);
+    return s;
+  }
   if (refract(wo, facing, cosine, index, &s.refracted)) {
     if (world->effects & CT_REFRACTION) s.kt = from_double(m[CT_KT]);
     return s;

@@ -15,7 +15,7 @@
 /* An undecided light that can add no more than this is enclosed with and without. */
 #define SET_NEGLIGIBLE 1e-13
 
-enum { CT_MAX_ALTERNATIVES = 16, CT_MAX_DECISIONS = 64, CT_MAX_CANDIDATES = 16 };
+enum { CT_MAX_DECISIONS = 64, CT_MAX_CANDIDATES = 16 };
 
 typedef enum ct_set_status {
   CT_SET_DECIDED,   /* every decision was certain: one enclosure */
@@ -34,7 +34,7 @@ typedef struct ct_set_result {
   ct_set_status status;
   double lo[3], hi[3]; /* of all outcomes together */
   size_t n_alternatives; /* distinct outcomes; those beyond the array are in lo and hi alone */
-  double alternatives[CT_MAX_ALTERNATIVES][2][3];
+  double alternatives[CT_ALTERNATIVES][2][3];
   ct_decision first;
   uint64_t n_rays;
 } ct_set_result;

@@ -60,7 +60,7 @@ static void store_outcome(IV3 c, ct_set_result *result) {
     if (memcmp(result->alternatives[i][0], lo, sizeof lo) == 0 &&
         memcmp(result->alternatives[i][1], hi, sizeof hi) == 0)
       return;
-  if (result->n_alternatives == CT_MAX_ALTERNATIVES) return;
+  if (result->n_alternatives == CT_ALTERNATIVES) return;
   memcpy(result->alternatives[result->n_alternatives][0], lo, sizeof lo);
   memcpy(result->alternatives[result->n_alternatives++][1], hi, sizeof hi);
 }
@@ -70,7 +70,7 @@ static void SET_FN(pixel)(const void *opaque, int64_t row, int64_t column,
   STATE state = {.world = opaque, .limits = limits};
   RAY ray = primary_ray(state.world, row, column);
   ct_medium around[CT_MEDIA_AROUND_EYE];
-  if (state.world->choice[CT_NESTING] == CT_NESTING_TRACKED)
+  if (state.world->choice[CT_NESTING] != CT_NESTING_RELATIVE)
     ray.medium = ct_media_around_eye(state.world->view, around);
   result->n_alternatives = 0;
   result->first = (ct_decision){CT_DECISION_NONE, 0, -1};

@@ -194,20 +194,24 @@ static OUTCOME nearest_outcome(STATE *s, const RAY *ray) {
 
 typedef enum { SHADOW_NONE, SHADOW_POSSIBLE, SHADOW_SURE } shadow_answer;
 
-/* Where a light lies on a sphere, one root is the light itself, and the other 2b minus it. */
-static shadow_answer own_light_blocked(const WORLD *world, size_t i, const RAY *ray, IV limit) {
+/* Where a light lies on a sphere, one root is the light itself, at `reach`, and the other 2b minus
+ * it. */
+static shadow_answer own_light_blocked(const WORLD *world, size_t i, const RAY *ray, IV reach,
+                                       IV limit) {
   const double *g = world->view->geometry + i * CT_GEOMETRY_COLUMNS;
   if (world->view->kind[i] == CT_PLANE) return SHADOW_NONE;
   IV b = i_neg(i3_dot(i3_sub(ray->origin, i3_from(g)), ray->direction));
-  IV other = i_sub(i_add(b, b), limit), least = i_from(world->frame->options->shadow_min);
+  IV other = i_sub(i_add(b, b), reach), least = i_from(world->frame->options->shadow_min);
   if (world->kappa > 0) other = i_widen(other, error_of(world, i_magnitude(other)));
   if (i_less(least, other) && i_less(other, limit)) return SHADOW_SURE;
   return i_may_be_less(least, other) && i_may_be_less(other, limit) ? SHADOW_POSSIBLE
                                                                     : SHADOW_NONE;
 }
 
-/* Does an object stand on the ray before light j? limit NULL: at any distance. */
-static shadow_answer find_blocker(STATE *s, const RAY *ray, size_t j, const IV *limit) {
+/* Does an object stand on the ray before light j, which is at `reach`, and nearer than `limit`? Both
+ * NULL: at any distance. */
+static shadow_answer find_blocker(STATE *s, const RAY *ray, size_t j, const IV *reach,
+                                  const IV *limit) {
   const WORLD *world = s->world;
   shadow_answer answer = SHADOW_NONE;
   OUTCOME found[2];
@@ -219,8 +223,8 @@ static shadow_answer find_blocker(STATE *s, const RAY *ray, size_t j, const IV *
         world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
       continue;
     if (limit && world->choice[CT_OFFSET] != CT_OFFSET_MITSUBA &&
-        ct_light_is_on(world->frame, j, i)) {
-      shadow_answer own = own_light_blocked(world, i, ray, *limit);
+        !(world->kappa > 0) && ct_light_is_on(world->frame, j, i)) {
+      shadow_answer own = own_light_blocked(world, i, ray, *reach, *limit);
       if (own == SHADOW_SURE) return own;
       if (own == SHADOW_POSSIBLE) answer = own;
       continue;

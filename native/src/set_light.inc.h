@@ -39,21 +39,24 @@ static shadow_answer shadow_of(STATE *s, const RAY *ray, const HIT *hit, size_t 
   const WORLD *world = s->world;
   int light_counts = world->choice[CT_SHADOW_DISTANCE] == CT_SHADOW_DISTANCE_LIGHT;
   RAY feeler = {offset_point(world, hit, to_light, 1), to_light, ray->depth, 0, NULL};
-  IV limit = i_sub(distance, world->epsilon);
+  IV reach = i_sub(distance, world->epsilon);
   if (world->choice[CT_OFFSET] != CT_OFFSET_DIRECTION) {
     IV3 way = i3_sub(light, feeler.origin);
-    limit = i3_length(way);
-    if (!i_is_positive(limit)) {
+    reach = i3_length(way);
+    if (!i_is_positive(reach)) {
       give_up(s, CT_SET_PRECISION, ray->depth, (int64_t)hit->object);
       return SHADOW_NONE;
     }
-    feeler.direction = unit_error3(world, i3_over_positive(way, limit));
-    if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA)
-      limit = i_mul(limit, i_sub(i_from(1), i_from(SET_MITSUBA_SHADOW)));
+    feeler.direction = unit_error3(world, i3_over_positive(way, reach));
   }
-  if (!light_counts) return find_blocker(s, &feeler, j, NULL);
-  if (i_not_positive(limit)) return SHADOW_NONE; /* the light is within epsilon of the hit */
-  shadow_answer answer = find_blocker(s, &feeler, j, &limit);
+  IV limit = i_sub(reach, i_from(world->frame->options->light_min));
+  if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
+    IV shortened = i_mul(reach, i_sub(i_from(1), i_from(SET_MITSUBA_SHADOW)));
+    limit = iv(b_max(limit.nlo, shortened.nlo), b_min(limit.hi, shortened.hi)); /* the lesser */
+  }
+  if (!light_counts) return find_blocker(s, &feeler, j, NULL, NULL);
+  if (i_not_positive(limit)) return SHADOW_NONE; /* the light is too near the hit */
+  shadow_answer answer = find_blocker(s, &feeler, j, &reach, &limit);
   return answer == SHADOW_SURE && !i_is_positive(limit) ? SHADOW_POSSIBLE : answer;
 }
 

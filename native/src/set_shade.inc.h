@@ -12,14 +12,16 @@ typedef struct SET_FN(scatter) {
   IV kr, kt;
   IV3 mirrored, refracted;
   const ct_medium *medium;
+  int passes; /* refraction is no bounce */
 } SCATTER;
 
 static IV seen_index(const WORLD *world, const RAY *ray, size_t object, int inside,
                      ct_medium *entered, const ct_medium **medium) {
   double n = world->view->material[object * CT_MATERIAL_COLUMNS + CT_N];
   IV one = i_from(1), own = i_from(n);
-  if (world->choice[CT_NESTING] == CT_NESTING_TRACKED) {
-    *entered = (ct_medium){ray->medium, object, inside ? -1 : 1};
+  int nesting = world->choice[CT_NESTING];
+  if (nesting != CT_NESTING_RELATIVE) {
+    *entered = ct_medium_crossed(nesting, ray->medium, object, inside);
     *medium = entered;
     return i_over_positive(i_from(ct_medium_index(world->view, entered)),
                            i_from(ct_medium_index(world->view, ray->medium)));
@@ -52,6 +54,13 @@ static SCATTER scatter_of(STATE *s, const RAY *ray, const HIT *hit, ct_medium *e
   if (!bends) return out;
 
   IV index = seen_index(world, ray, hit->object, inside, entered, &out.medium);
+  if (out.medium == entered &&
+      ct_medium_passes(world->view, world->choice[CT_NESTING], entered)) {
+    out.passes = 1;
+    out.refracted = ray->direction;
+    if (world->effects & CT_REFRACTION) out.kt = i_from(m[CT_KT]);
+    return out;
+  }
   IV ratio = i_over_positive(one, index);
   IV sine2 = i_mul(i_sub(one, cosine), i_add(one, cosine));
   IV delta = i_sub(one, i_mul(i_square(ratio), i_floor_zero(sine2)));
@@ -76,11 +85,11 @@ static SCATTER scatter_of(STATE *s, const RAY *ray, const HIT *hit, ct_medium *e
 }
 
 static IV3 follow(STATE *s, const RAY *ray, const HIT *hit, IV3 direction,
-                  const ct_medium *medium) {
+                  const ct_medium *medium, int passes) {
   const WORLD *world = s->world;
   if (ray->depth >= world->frame->max_depth)
     return world->choice[CT_EXHAUSTED] == CT_EXHAUSTED_BACKGROUND ? world->background : i3_zero();
-  RAY next = {offset_point(world, hit, direction, 0), direction, ray->depth + 1, 0, medium};
+  RAY next = {offset_point(world, hit, direction, 0), direction, passes ? ray->depth : ray->depth + 1, 0, medium};
   return SET_FN(trace)(s, &next);
 }
 
@@ -144,10 +153,10 @@ static IV3 SET_FN(trace)(STATE *s, const RAY *ray) {
     if (world->choice[CT_MIX] == CT_MIX_CONVEX)
       sum = i3_scale(i_sub(i_sub(i_from(1), scatter.kr), scatter.kt), sum);
     if (i_is_positive(scatter.kr))
-      sum = i3_add(sum, i3_scale(scatter.kr, follow(s, ray, &hit, scatter.mirrored, ray->medium)));
+      sum = i3_add(sum, i3_scale(scatter.kr, follow(s, ray, &hit, scatter.mirrored, ray->medium, 0)));
     if (i_is_positive(scatter.kt))
       sum = i3_add(sum, i3_scale(scatter.kt, follow(s, ray, &hit, scatter.refracted,
-                                                    scatter.medium)));
+                                                    scatter.medium, scatter.passes)));
   }
   return returned(world, sum);
 }

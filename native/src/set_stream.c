@@ -24,10 +24,11 @@ static int holds_point(const double *p) { return fits(p[0]) && fits(p[1]) && fit
 
 static int holds_numbers(const ct_frame *frame) {
   const ct_scene_view *v = &frame->view;
+  const ct_options *options = frame->options;
   if (!holds_point(v->eye) || !fits(v->screen_distance) || v->screen_distance < SMALLEST ||
       v->pixel_size < SMALLEST ||
       !fits(v->pixel_size * ((double)v->h_res + (double)v->v_res)) ||
-      frame->options->epsilon > LARGEST || frame->options->shadow_min > LARGEST)
+      options->epsilon > LARGEST || options->shadow_min > LARGEST || options->light_min > LARGEST)
     return 0;
   for (size_t j = 0; j < v->n_lights; j++)
     if (!holds_point(v->lights + j * CT_LIGHT_COLUMNS + 3)) return 0;
@@ -48,11 +49,17 @@ static int holds_numbers(const ct_frame *frame) {
 static int knows_readings(const ct_frame *frame) {
   const int *choice = frame->options->choice;
   for (int k = 0; k < CT_N_CHOICES; k++) {
-    int is_known = choice[k] == 0 || (k == CT_OFFSET && choice[k] == CT_OFFSET_MITSUBA) ||
-                   (k == CT_NESTING && choice[k] == CT_NESTING_TRACKED);
+    int is_known = choice[k] == 0 || k == CT_NESTING || k == CT_INDEX ||
+                   (k == CT_OFFSET && choice[k] == CT_OFFSET_MITSUBA);
     if (!is_known) return 0;
   }
   return 1;
+}
+
+/* The streams know exactly where a shadow ray leaves its surface, and so decide what a rounding
+ * tracer could not where it hardly leaves it at all. */
+static int leaves_surfaces(const ct_options *options) {
+  return options->epsilon >= 1e-20 || options->choice[CT_OFFSET] == CT_OFFSET_MITSUBA;
 }
 
 /* The root at an eye that lies on a sphere has a formula of its own. */
@@ -63,7 +70,9 @@ static int is_eye_on_sphere(const ct_frame *frame) {
 }
 
 const ct_set_stream *ct_set_stream_for(const ct_frame *frame) {
-  if (!knows_readings(frame) || is_eye_on_sphere(frame) || !holds_numbers(frame)) return NULL;
+  if (!knows_readings(frame) || !leaves_surfaces(frame->options) || is_eye_on_sphere(frame) ||
+      !holds_numbers(frame))
+    return NULL;
   ct_instructions usable = ct_instructions_usable(frame->options->instructions);
 #if defined(CT_HAVE_LANES_AVX512)
   if (usable >= CT_INSTRUCTIONS_AVX512) return &ct_set_stream_avx512;

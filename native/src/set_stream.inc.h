@@ -185,7 +185,7 @@ static void SET_FN(batch)(const void *opaque, const int64_t *pixels, int n,
   ct_medium around[CT_MEDIA_AROUND_EYE];
   const ct_medium *medium = NULL;
   double row[ROOM], column[ROOM];
-  if (world->base->choice[CT_NESTING] == CT_NESTING_TRACKED)
+  if (world->base->choice[CT_NESTING] != CT_NESTING_RELATIVE)
     medium = ct_media_around_eye(view, around);
   rays.n = n;
   for (int i = 0; i < ROOM; i++) {

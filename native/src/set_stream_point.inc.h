@@ -142,23 +142,25 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, MAS
   if (base->effects & CT_SHADOWS) {
     MIDDLE q;
     VI limit = length.length, other = vi_by_positive(length.inverse, across);
-    double epsilon = base->epsilon.hi;
+    double epsilon = base->epsilon.hi, light_min = base->frame->options->light_min;
     MASK known;
     if (base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
       MASK minus = l_less(across.h, zero);
       VI from[3];
-      *bad = m_or(*bad, m_but(needed, m_or(l_less(across.n, zero), l_less(across.h, zero))));
+      *bad = m_or(*bad, m_but(needed, m_or(l_less(across.n, zero), minus)));
       step_aside(hit, mitsuba_step(hit), minus, from);
       for (int k = 0; k < 3; k++) way[k] = vi(from[k].h - light[k], from[k].n + light[k]);
       length = length_of(vi_square3(way));
-      limit = vi_times(l_all(1 - SET_MITSUBA_SHADOW), length.length);
+      VI part = vi_times(l_all(1 - SET_MITSUBA_SHADOW), length.length);
+      limit = vi(length.length.n + light_min, length.length.h - light_min);
+      limit = vi(l_greater(part.n, limit.n), l_lesser(part.h, limit.h));
       known = m_and(length.known, middle_to_light(light, way, &length, 0, &q));
     } else {
-      limit = vi(limit.n + epsilon, limit.h - epsilon);
+      limit = vi((limit.n + epsilon) + light_min, (limit.h - epsilon) - light_min);
       other = vi(other.h * 2.0 + epsilon, other.n * 2.0 - epsilon);
       known = middle_to_light(light, way, &length, epsilon, &q);
     }
-    /* A light within epsilon of the hit is not shadowed. */
+    /* A light too near the hit is not shadowed. */
     MASK apart = m_but(needed, l_at_most(limit.h, zero));
     known = m_and(known, l_less(limit.n, zero));
     *bad = m_or(*bad, m_but(apart, known));

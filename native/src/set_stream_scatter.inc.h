@@ -11,7 +11,7 @@ typedef struct SET_FN(child) {
   STREAM rays;
   int n_records;
   RECORD records[CT_SET_STREAM]; /* at least a ray each */
-  ct_medium entered[ROOM]; /* nesting=tracked only */
+  ct_medium entered[ROOM]; /* but for nesting=relative */
 } CHILD;
 
 static inline void append(CHILD *child, int vector, MASK lanes, double weight, const VI origin[3],
@@ -40,25 +40,29 @@ static inline void start_beside(const SWORLD *world, const HITS *hit, MASK minus
   for (int k = 0; k < 3; k++) origin[k] = vi_add(hit->point[k], vi_times(epsilon, d[k]));
 }
 
-/* Index on the ray's side over that beyond, for each lane. */
+/* Index on the ray's side over that beyond, for each lane. Where the ray passes as if there were no
+ * surface (nesting=interiors), the lane is bad. */
 static inline VI ratio_at(const SWORLD *world, const HITS *hit, const STREAM *rays, int at,
-                          MASK inside, MASK lanes) {
+                          MASK inside, MASK lanes, MASK *bad) {
   const ct_scene_view *view = world->base->view;
   double n = view->material[hit->solid->object * CT_MATERIAL_COLUMNS + CT_N];
-  if (world->base->choice[CT_NESTING] != CT_NESTING_TRACKED)
+  int nesting = world->base->choice[CT_NESTING];
+  if (nesting == CT_NESTING_RELATIVE)
     return vi_select(inside, vi(l_all(-n), l_all(n)),
                      vi_from(i_over_positive(i_from(1), i_from(n))));
   double own[N_LANES], beyond[N_LANES];
-  unsigned in = m_bits(inside), used = m_bits(lanes);
+  unsigned in = m_bits(inside), used = m_bits(lanes), passing = 0;
   for (int k = 0; k < N_LANES; k++) {
     own[k] = beyond[k] = 1;
     if (!(used >> k & 1)) continue;
     const ct_medium *medium = rays->medium[at + k];
-    ct_medium entered = {medium, hit->solid->object, in >> k & 1 ? -1 : 1};
+    ct_medium entered = ct_medium_crossed(nesting, medium, hit->solid->object, in >> k & 1);
+    if (ct_medium_passes(view, nesting, &entered)) passing |= 1u << k;
     own[k] = ct_medium_index(view, medium);
     beyond[k] = ct_medium_index(view, &entered);
   }
   LANES a = l_load(own), b = l_load(beyond);
+  *bad = m_or(*bad, m_from_bits(passing));
   return vi(-a / b, a / b);
 }
 
@@ -71,7 +75,7 @@ static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
   const double *m = base->view->material + hit->solid->object * CT_MATERIAL_COLUMNS;
   double kr = base->effects & CT_REFLECTION ? m[CT_KR] : 0;
   double kt = base->effects & CT_REFRACTION ? m[CT_KT] : 0;
-  int bends = m[CT_KT] > 0, vector = at / N_LANES;
+  int bends = m[CT_KT] > 0, vector = at / N_LANES, nesting = base->choice[CT_NESTING];
   if (!(kr > 0) && !bends) return;
   LANES zero = l_all(0), one = l_all(1), slot = l_load(rays->slot + at);
   MASK inside = l_less(hit->cosine.h, zero);
@@ -80,7 +84,7 @@ static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
   VI cosine = vi_flip(inside, hit->cosine), direction[3], origin[3];
   MASK total = m_none();
   if (bends) {
-    VI ratio = ratio_at(world, hit, rays, at, inside, lanes);
+    VI ratio = ratio_at(world, hit, rays, at, inside, lanes, bad);
     VI square = vi_of_positives(ratio, ratio), bend = vi(square.h - one, one + square.n);
     VI delta = vi_add(bend, vi_of_positives(square, vi_of_positives(cosine, cosine)));
     MASK through = l_less(delta.n, zero);
@@ -110,12 +114,12 @@ static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
       start_beside(world, hit, m_but(lanes, inside), direction, origin);
       int first = refracted->rays.n;
       append(refracted, vector, through, kt, origin, direction, slot);
-      if (base->choice[CT_NESTING] == CT_NESTING_TRACKED) {
+      if (nesting != CT_NESTING_RELATIVE) {
         unsigned in = m_bits(inside);
         for (unsigned bits = m_bits(through); bits; bits &= bits - 1, first++) {
           int lane = __builtin_ctz(bits);
-          refracted->entered[first] = (ct_medium){rays->medium[at + lane], hit->solid->object,
-                                                  in >> lane & 1 ? -1 : 1};
+          refracted->entered[first] = ct_medium_crossed(nesting, rays->medium[at + lane],
+                                                        hit->solid->object, in >> lane & 1);
           refracted->rays.medium[first] = &refracted->entered[first];
         }
       }
@@ -132,7 +136,7 @@ static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
   for (int p = 0; p < 2; p++) {
     int first = mirrored->rays.n;
     append(mirrored, vector, parts[p], p == 0 ? 1 : kr, origin, direction, slot);
-    if (base->choice[CT_NESTING] == CT_NESTING_TRACKED)
+    if (nesting != CT_NESTING_RELATIVE)
       for (unsigned bits = m_bits(parts[p]); bits; bits &= bits - 1, first++)
         mirrored->rays.medium[first] = rays->medium[at + __builtin_ctz(bits)];
   }

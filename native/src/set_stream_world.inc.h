@@ -23,7 +23,7 @@ typedef struct SET_FN(stream) {
   int n;
   double origin[6][ROOM], direction[6][ROOM];
   double slot[ROOM];              /* which pixel of the batch */
-  const ct_medium *medium[ROOM];  /* nesting=tracked only */
+  const ct_medium *medium[ROOM];  /* but for nesting=relative */
 } STREAM;
 
 /* What all rays of a batch share. */

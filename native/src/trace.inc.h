@@ -14,7 +14,7 @@ static VEC background(const WORLD *world) {
 }
 
 static VEC secondary(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit,
-                     VEC direction, const ct_medium *medium, uint64_t *tree) {
+                     VEC direction, const ct_medium *medium, int passes, uint64_t *tree) {
   if (ray->depth >= world->frame->max_depth) {
     if (world->choice[CT_EXHAUSTED] == CT_EXHAUSTED_BACKGROUND) {
       ON_UNSENT(pixel, background(world));
@@ -23,8 +23,9 @@ static VEC secondary(const WORLD *world, ct_pixel *pixel, const RAY *ray, const 
     return v_zero();
   }
   /* Of length 1 but for rounding, which would grow from bounce to bounce inside glass. */
-  direction = v_over(direction, v_length(direction));
-  RAY next = {offset_origin(world, ray, hit, direction, 0), direction, ray->depth + 1, 0, medium};
+  direction = NUDGED(pixel, v_over(direction, v_length(direction)));
+  int64_t depth = passes ? ray->depth : ray->depth + 1;
+  RAY next = {offset_origin(world, ray, hit, direction, 0), direction, depth, 0, medium};
   /* A subtree has a hash of its own, so that subtrees may be traced in any order. */
   uint64_t subtree = 0;
   VEC color = FN(trace)(world, pixel, &next, NULL, &subtree);
@@ -74,7 +75,7 @@ static VEC shade(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT 
   if (less(zero, s.kr)) {
     if (ray->depth < world->frame->max_depth) pixel->n_reflected++;
     ON_BRANCH(pixel, s.total ? CT_RAY_TOTALLY_REFLECTED : CT_RAY_REFLECTED, s.kr);
-    VEC c = v_scale(s.kr, secondary(world, pixel, ray, hit, s.mirrored, ray->medium, tree));
+    VEC c = v_scale(s.kr, secondary(world, pixel, ray, hit, s.mirrored, ray->medium, 0, tree));
     *(s.total ? &split->total_reflection : &split->reflection) = c;
     sum = v_add(sum, c);
   }
@@ -82,7 +83,7 @@ static VEC shade(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT 
     if (ray->depth < world->frame->max_depth) pixel->n_refracted++;
     ON_BRANCH(pixel, CT_RAY_REFRACTED, s.kt);
     split->refraction =
-        v_scale(s.kt, secondary(world, pixel, ray, hit, s.refracted, s.medium, tree));
+        v_scale(s.kt, secondary(world, pixel, ray, hit, s.refracted, s.medium, s.passes, tree));
     sum = v_add(sum, split->refraction);
   }
   return sum;
@@ -93,6 +94,7 @@ static VEC FN(trace)(const WORLD *world, ct_pixel *pixel, const RAY *ray, SPLIT 
   SPLIT own = {v_zero(), v_zero(), v_zero(), v_zero(), v_zero(), v_zero()};
   if (ct_pixel_must_stop(pixel, ray->depth)) return v_zero();
   HIT hit = FN(nearest)(world, ray);
+  NUDGE_HIT(world, pixel, ray, &hit);
   *tree = ct_tree_mix(*tree, (uint64_t)(hit.object + 2));
   ON_RAY(world, pixel, ray, &hit);
   VEC color;

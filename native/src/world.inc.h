@@ -8,7 +8,7 @@ typedef struct FN(world) {
   unsigned effects;
   VEC *plane_normal; /* unit, in this type */
   VEC u, v, w, eye;
-  REAL epsilon, shadow_min, far;
+  REAL epsilon, shadow_min, light_min, far;
   int has_far;
 } FN(world);
 #define WORLD FN(world)

@@ -85,8 +85,8 @@ static ct_scene_view random_scene(void) {
 
 static void random_options(ct_options *options) {
   static const char *const settings[][2] = {
-      {"epsilon", "1e-3"}, {"epsilon", "0"}, {"shadow_min", "1e-3"}, {"far", "7"},
-      {"nesting", "tracked"}, {"offset", "mitsuba"}, {"epsilon", "1e-9"}, {"far", "1e7"}};
+      {"epsilon", "1e-3"}, {"epsilon", "0"}, {"light_min", "1e-3"}, {"index", "float32"}, {"shadow_min", "1e-3"}, {"far", "7"},
+      {"nesting", "tracked"}, {"nesting", "interiors"}, {"offset", "mitsuba"}, {"epsilon", "1e-9"}, {"far", "1e7"}};
   ct_fault fault;
   for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
     if (one_in(5))

@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 
 from crosstrace.translators.course import load
+from crosstrace.translators.native.adapter import PRECISIONS
+from crosstrace.translators.native.stability import compare_rungs
+from crosstrace.translators.native.thresholds import departures
 from crosstrace.translators.native.truth import Decision, certify
 from crosstrace.translators.registry import renderer
 from crosstrace.translators.renderer import RenderOptions
@@ -19,6 +22,7 @@ from crosstrace.translators.scene import Scene
 FOLDER = Path(str(files("crosstrace.scenes") / "hard"))
 INDEX: list[dict[str, Any]] = json.loads((FOLDER / "index.json").read_text(encoding="utf-8"))
 NAMES = [entry["name"] for entry in INDEX]
+BY_NAME = {entry["name"]: entry for entry in INDEX}
 
 #: Scenes that real arithmetic itself leaves open in more than one pixel of a hundred.
 OPEN = {"coincident-respelled"}
@@ -55,6 +59,26 @@ def test_every_pixel_is_certified_or_open_for_a_reason(name: str) -> None:
     assert (known.decision[~decided] != Decision.NONE).all()
     assert known.contains(native(name, "f128")).all()
     assert (known.certified_fraction >= 0.99) == (name not in OPEN)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_rung_stays_numerically_stable(name: str) -> None:
+    """Each precision keeps the index's thresholds, and double what double intervals can decide."""
+    _, rungs = compare_rungs(scene(name))
+    assert departures(rungs, BY_NAME[name]["stable"]) == []
+    for rung in rungs:
+        if rung.precision != "f32":
+            assert rung.by_level[0] == 0, rung.precision
+
+
+def test_every_rung_has_a_threshold_and_a_loose_one_its_reason() -> None:
+    """What a scene costs beyond the ordinary is explained by naming the rung."""
+    for entry in INDEX:
+        assert list(entry["stable"]) == [*PRECISIONS][:-1], entry["name"]
+        for rung, limits in entry["stable"].items():
+            most_trees, most_error = (50, 1e-4) if rung == "f32" else (0, 1e-12)
+            if limits["changed_trees"] > most_trees or limits["error"] > most_error:
+                assert rung in entry.get("why", ""), (entry["name"], rung)
 
 
 def test_identical_surfaces_show_the_first_in_the_file() -> None:

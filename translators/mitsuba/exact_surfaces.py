@@ -72,8 +72,10 @@ class Surfaces:
         a = [dr.gather(mi.Float64, column, index, hit) for column in self._geometry]
         first, second = mi.Vector3d(*a[:3]), mi.Vector3d(*a[3:])
         ball = dr.gather(mi.UInt32, self._is_sphere, index, hit) == 1
-        # The normal is built from the centre's own frame, where the point has the fewest digits.
-        outward = ((o - first) + t * d) / second.x
+        # The normal is built from the centre's own frame, where the point has the fewest digits,
+        # and is of length 1 but for rounding, which would grow from bounce to bounce in glass.
+        outward = (o - first) + t * d
+        outward /= dr.norm(outward)
         return Hit(t, index, o + t * d, dr.select(ball, outward, second))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 
@@ -80,7 +81,7 @@ def ledger_f32(scene: Scene, effects: Collection[str]) -> Ledger:
     entries = [
         Entry("arithmetic", "float32, relative error a few units of 2^-24", "approximated"),
         Entry("geometry", "surfaces and rays are float32 numbers; a tie may go to either object",
-              "approximated"),
+              "approximated", readings=("scene",)),
         Entry("camera", f"nothing nearer than {NEAR:g} along the view is seen (offset=mitsuba)",
               "approximated", readings=_OFFSET),
     ]  # fmt: skip
@@ -105,4 +106,18 @@ def ledger_f32(scene: Scene, effects: Collection[str]) -> Ledger:
     if large:
         text = f"float32 spheres of radius {LARGE_RADIUS:g} and more lose their shadows' digits"
         entries.append(Entry("geometry", text, "approximated", objects=large))
-    return Ledger(tuple(entries), FLOAT32, Emulation(scene, {"offset": "mitsuba"}))
+    return Ledger(tuple(entries), FLOAT32, Emulation(_rounded(scene), {"offset": "mitsuba"}))
+
+
+def _rounded(scene: Scene) -> Scene:
+    """Return the scene with centres and radii of spheres as the float32 numbers that Mitsuba keeps.
+
+    Planes are written from the foot of the perpendicular from the eye, which is near whatever is
+    seen of them.
+    """
+    geometry = scene.geometry.copy()
+    with np.errstate(over="ignore", under="ignore"):
+        balls = geometry[scene.is_sphere].astype(np.float32).astype(np.float64)
+    if np.isfinite(balls).all() and (balls[:, 3] > 0).all():
+        geometry[scene.is_sphere] = balls
+    return replace(scene, geometry=geometry, checked=False)

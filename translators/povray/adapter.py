@@ -65,6 +65,10 @@ class PovRay:
         """List what of a scene is not exact; raises UnsupportedSceneError where nothing is."""
         return declarations.declare(picture.analyse(scene))
 
+    def text(self, analysis: picture.Analysis, output_scale: float) -> str:
+        """Return the description that POV-Ray reads; what it holds is all that POV-Ray knows."""
+        return analysis.text(output_scale)
+
     def render(
         self, scene: Scene, options: RenderOptions, progress: Progress | None = None
     ) -> Rendering:
@@ -78,7 +82,7 @@ class PovRay:
         passes: list[float] = []
         with _private_directory() as directory:
             source, image = directory / "scene.pov", directory / "image.ppm"
-            source.write_text(analysis.text(1.0), encoding="ascii")
+            source.write_text(self.text(analysis, 1.0), encoding="ascii")
             translated = time.perf_counter()
             since = time.monotonic()
 
@@ -123,8 +127,8 @@ class PovRay:
         name = picture.file_name(scene.name)
         scale = output.written_scale(analysis.bound)
         command = " ".join(["povray", *picture.arguments(scene, f"{name}.pov", f"{name}.png", "N")])
-        text = picture.commented(analysis, command, scale)
-        return Translation({f"{name}.pov": text}, command)
+        said = picture.comment(analysis, command, scale)
+        return Translation({f"{name}.pov": said + self.text(analysis, scale)}, command)
 
 
 @contextlib.contextmanager

@@ -1,9 +1,9 @@
 """POV-Ray's own habits as a scene and readings of the native tracer.
 
-With its limits of distance (`scale.py`) as readings and the indices that it is given (`media.py`)
-as absolute ones of tracked media, the native tracer follows the paths that POV-Ray follows: a ray
-is in the object that it entered last and has not left, as in POV-Ray's list of interiors, so that
-crossing transparent surfaces come out alike as well.
+With its limits of distance (`scale.py`) as readings, the indices that it is given (`media.py`) as
+absolute ones, and its list of interiors (`nesting=interiors`, after ComputeRefraction in its
+trace.cpp), the native tracer follows the paths that POV-Ray follows, so that crossing transparent
+surfaces come out alike as well.
 
 POV-Ray starts a secondary ray at the hit itself and takes nothing nearer than MIN_DISTANCE; in real
 arithmetic that is a ray that starts MIN_DISTANCE along its direction. A shadow ray's tolerance is
@@ -31,7 +31,7 @@ def emulation(analysis: Analysis) -> Emulation:
         "shadow_min": repr((SHADOW_TOLERANCE - MIN_DISTANCE) / scale),
         "light_min": repr(SHADOW_TOLERANCE / scale),
         "far": repr(MAX_DISTANCE / scale),
-        "nesting": "tracked",
+        "nesting": "interiors",
     }
     material = scene.material.copy()
     material[analysis.plan.index, N] = _absolute(analysis)

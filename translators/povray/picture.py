@@ -60,8 +60,8 @@ def file_name(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]+", "-", name).strip("-")[:80] or "scene"
 
 
-def commented(analysis: Analysis, command: str, output_scale: float) -> str:
-    """Return the description with, on top of it, how to call POV-Ray for it."""
+def comment(analysis: Analysis, command: str, output_scale: float) -> str:
+    """Return the lines on top of a description that say how to call POV-Ray for it."""
     lines = [
         f"// {command}",
         f"// The image is linear (gamma 1); multiply it by output_scale = {output_scale!r}.",
@@ -77,4 +77,4 @@ def commented(analysis: Analysis, command: str, output_scale: float) -> str:
             "and see that"
         )
         lines.append(f"// the Max Level that it states stays below {MAX_DEPTH + 1}.")
-    return "\n".join([*lines, analysis.text(output_scale)])
+    return "\n".join(lines) + "\n"

@@ -42,6 +42,7 @@ READINGS = [
     "refraction=inverted",
     "refraction=one-way",
     "nesting=tracked",
+    "nesting=interiors",
     "tir=ignore",
     "tir=add",
     "tir=plus-one",
