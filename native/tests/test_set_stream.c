@@ -14,8 +14,13 @@ static uint8_t kind[MOST_OBJECTS];
 static double color[MOST_OBJECTS * 3], material[MOST_OBJECTS * CT_MATERIAL_COLUMNS];
 static double geometry[MOST_OBJECTS * CT_GEOMETRY_COLUMNS], lights[MOST_LIGHTS * CT_LIGHT_COLUMNS];
 static double image[N_PIXELS * 3];
-static double lo[N_PIXELS * 3], hi[N_PIXELS * 3], other_lo[N_PIXELS * 3], other_hi[N_PIXELS * 3];
-static uint8_t class[N_PIXELS], other_class[N_PIXELS], level[N_PIXELS];
+
+/* What is known of a frame's pixels. */
+typedef struct known {
+  double lo[N_PIXELS * 3], hi[N_PIXELS * 3];
+  uint8_t open[N_PIXELS];
+} known;
+static known first, again;
 
 static int one_in(int n) { return uniform() * n < 1; }
 
@@ -94,125 +99,155 @@ static void random_options(ct_options *options) {
   if (one_in(4)) ct_options_set_effects(options, (unsigned)(uniform() * 256));
 }
 
-static ct_status certify(const ct_scene_view *view, ct_options *options, const char *instructions,
-                         unsigned n_threads, double *l, double *h, uint8_t *c) {
-  ct_fault fault;
-  ct_certify_request request = {.tolerance = 1e-9};
-  ct_enclosures out = {.lo = l, .hi = h, .pixel_class = c, .level = level};
-  CHECK(ct_options_set_instructions(options, instructions, &fault) == CT_OK);
-  ct_options_set_threads(options, n_threads);
-  return ct_certify(view, options, &request, &out, NULL, NULL, NULL);
-}
-
-/* Pixels that the stream closes, all in one batch after another. */
-static int64_t n_closed, n_checked;
-
-/* The scalar kernel in double-double, whose enclosures are of 1e-25 where nothing is open. */
-static void holds_double_double(const ct_frame *frame, const ct_set_stream *stream) {
+/* Rounding upward: by the stream for these options, `step` pixels after one another in a batch. */
+static int enclose(const ct_frame *frame, int64_t step, known *out) {
+  const ct_set_stream *stream = ct_set_stream_for(frame);
   const atomic_int stop = 0;
-  ct_set_limits limits = {1, 1 << 16, &stop};
-  void *world, *witness;
-  ct_set_batch batch;
+  const ct_set_limits limits = {1, 1 << 16, &stop};
+  void *world;
+  if (!stream) return 0;
+  memset(out, 0xff, sizeof *out);
   fesetround(FE_UPWARD);
   CHECK(stream->open(frame, &world) == CT_OK);
-  fesetround(ct_set_kernel_dd.rounding);
-  CHECK(ct_set_kernel_dd.open(frame, 0, &witness) == CT_OK);
-  for (int64_t first = 0; first < N_PIXELS; first += CT_SET_STREAM) {
+  for (int64_t begin = 0; begin < N_PIXELS; begin += CT_SET_STREAM) {
     int64_t pixels[CT_SET_STREAM];
+    ct_set_batch batch;
     int n = 0;
-    for (; n < CT_SET_STREAM && first + n < N_PIXELS; n++) pixels[n] = first + n;
-    fesetround(FE_UPWARD);
+    /* step has no factor in common with N_PIXELS, so that every pixel comes up. */
+    for (; n < CT_SET_STREAM && begin + n < N_PIXELS; n++)
+      pixels[n] = (begin + n) * step % N_PIXELS;
     stream->batch(world, pixels, n, &limits, &batch);
-    fesetround(ct_set_kernel_dd.rounding);
     for (int i = 0; i < n; i++) {
-      if (batch.open[i]) continue;
-      n_closed++;
-      if ((pixels[i] * 7919) % 5) continue; /* one in five: this is the slow part */
-      ct_set_result truth;
-      ct_set_kernel_dd.pixel(witness, pixels[i] / SIDE, pixels[i] % SIDE, &limits, &truth);
-      if (truth.status != CT_SET_DECIDED) continue;
-      n_checked++;
-      for (int k = 0; k < 3; k++) {
-        CHECK(batch.lo[k][i] <= truth.hi[k] && truth.lo[k] <= batch.hi[k][i]);
-        CHECK(batch.lo[k][i] <= batch.hi[k][i]);
+      out->open[pixels[i]] = batch.open[i];
+      for (int k = 0; k < 3 && !batch.open[i]; k++) {
+        out->lo[3 * pixels[i] + k] = batch.lo[k][i];
+        out->hi[3 * pixels[i] + k] = batch.hi[k][i];
       }
     }
   }
-  fesetround(FE_UPWARD);
   stream->close(world);
+  fesetround(FE_TONEAREST);
+  return 1;
+}
+
+static int64_t n_closed, n_checked, n_excused;
+
+/* Truth: the scalar kernel in double-double, whose enclosures are of 1e-25 where nothing is open. */
+static void holds_double_double(const ct_frame *frame, const known *k) {
+  const atomic_int stop = 0;
+  const ct_set_limits limits = {1, 1 << 16, &stop};
+  void *witness;
+  fesetround(ct_set_kernel_dd.rounding);
+  CHECK(ct_set_kernel_dd.open(frame, 0, &witness) == CT_OK);
+  for (int64_t i = (int64_t)(uniform() * 5); i < N_PIXELS; i += 5) {
+    if (k->open[i]) continue;
+    ct_set_result truth;
+    ct_set_kernel_dd.pixel(witness, i / SIDE, i % SIDE, &limits, &truth);
+    if (truth.status != CT_SET_DECIDED) continue;
+    n_checked++;
+    for (int64_t c = 0; c < 3; c++)
+      CHECK(k->lo[3 * i + c] <= truth.hi[c] && truth.lo[c] <= k->hi[3 * i + c] &&
+            k->lo[3 * i + c] <= k->hi[3 * i + c]);
+  }
   fesetround(FE_TONEAREST);
   ct_set_kernel_dd.close(witness);
 }
 
-/* Every certified pixel holds what float128 traces, but for the rounding of that to double. */
-static void holds_float128(const ct_scene_view *view, ct_options *options) {
+#if defined(__SIZEOF_FLOAT128__)
+/* Whether all float128 can say of a pixel is that it is a toss-up: the tracer's value is then one
+ * side of a tie that the streams know to be none, such as a ray parallel to a plane. */
+static int is_open_in_float128(const ct_frame *frame, int64_t pixel) {
+  const atomic_int stop = 0;
+  const ct_set_limits limits = {1, 1 << 16, &stop};
+  ct_set_result result;
+  void *world;
+  CHECK(ct_set_kernel_f128.open(frame, 0, &world) == CT_OK);
+  fesetround(ct_set_kernel_f128.rounding);
+  ct_set_kernel_f128.pixel(world, pixel / SIDE, pixel % SIDE, &limits, &result);
+  fesetround(FE_TONEAREST);
+  ct_set_kernel_f128.close(world);
+  return result.status != CT_SET_DECIDED;
+}
+
+/* The tracer in float128, but for the rounding of its value to double. */
+static void holds_float128(const ct_frame *frame, ct_options *options, const known *k) {
   ct_fault fault;
   ct_outputs outputs = {.image = image};
-  if (ct_options_set_precision(options, "f128", &fault) != CT_OK) return;
-  CHECK(ct_render(view, options, &outputs, NULL, NULL, NULL) == CT_OK);
-  for (size_t i = 0; i < N_PIXELS * 3; i++) {
-    if (class[i / 3] != CT_CERTIFIED) continue;
-    double slack = 0x1p-52 * fabs(image[i]);
-    CHECK(lo[i] - slack <= image[i] && image[i] <= hi[i] + slack);
+  CHECK(ct_options_set_precision(options, "f128", &fault) == CT_OK);
+  CHECK(ct_render(&frame->view, options, &outputs, NULL, NULL, NULL) == CT_OK);
+  for (int64_t i = 0; i < N_PIXELS * 3; i++) {
+    if (k->open[i / 3]) continue;
+    double slack = 0x1p-52 * fabs(image[i]) + 1e-30; /* its roundings, too */
+    if (k->lo[i] - slack <= image[i] && image[i] <= k->hi[i] + slack) continue;
+    CHECK(is_open_in_float128(frame, i / 3));
+    n_excused++;
   }
 }
+#endif
 
-static void same_bits_as(const ct_scene_view *view, ct_options *options, const char *set,
-                         unsigned n_threads) {
-  CHECK(certify(view, options, set, n_threads, other_lo, other_hi, other_class) == CT_OK);
+/* Certification as a whole: some pixels of it, by the stream and by the scalar text alone. */
+enum { N_SOME = 40 };
+
+static void certify_some(const ct_scene_view *view, ct_options *options, const char *instructions,
+                         unsigned n_threads, const int64_t *pixels, double *lo, double *hi,
+                         uint8_t *class) {
+  ct_fault fault;
+  ct_certify_request request = {.pixels = pixels, .n_pixels = N_SOME, .tolerance = 1e-9};
+  ct_enclosures out = {.lo = lo, .hi = hi, .pixel_class = class};
+  CHECK(ct_options_set_instructions(options, instructions, &fault) == CT_OK);
+  ct_options_set_threads(options, n_threads);
+  CHECK(ct_certify(view, options, &request, &out, NULL, NULL, NULL) == CT_OK);
+}
+
+static void certifies_as_much_as_scalar(const ct_scene_view *view, ct_options *options) {
+  static double lo[3 * N_SOME], hi[3 * N_SOME], other_lo[3 * N_SOME], other_hi[3 * N_SOME];
+  int64_t pixels[N_SOME];
+  uint8_t class[N_SOME], other_class[N_SOME];
+  for (int i = 0; i < N_SOME; i++) pixels[i] = (int64_t)(uniform() * N_PIXELS);
+  certify_some(view, options, "native", 1, pixels, lo, hi, class);
+  certify_some(view, options, "native", 3, pixels, other_lo, other_hi, other_class);
   CHECK(memcmp(lo, other_lo, sizeof lo) == 0 && memcmp(hi, other_hi, sizeof hi) == 0);
   CHECK(memcmp(class, other_class, sizeof class) == 0);
-}
-
-/* The scalar text gives other enclosures of the same values, and closes no pixel more. */
-static void closes_as_much_as_scalar(const ct_scene_view *view, ct_options *options) {
-  CHECK(certify(view, options, "scalar", 1, other_lo, other_hi, other_class) == CT_OK);
-  for (size_t i = 0; i < N_PIXELS; i++) {
-    if (other_class[i] == CT_CERTIFIED) CHECK(class[i] == CT_CERTIFIED);
-    for (size_t k = 3 * i; k < 3 * i + 3; k++)
-      CHECK(lo[k] <= other_hi[k] && other_lo[k] <= hi[k]);
-  }
-}
-
-/* A pixel alone has the bits that it has among the others. */
-static void same_bits_alone(const ct_scene_view *view, const ct_options *options) {
-  int64_t pixels[3];
-  double l[9], h[9];
-  for (int k = 0; k < 3; k++) pixels[k] = (int64_t)(uniform() * N_PIXELS);
-  ct_certify_request request = {.tolerance = 1e-9, .pixels = pixels, .n_pixels = 3};
-  ct_enclosures out = {.lo = l, .hi = h};
-  CHECK(ct_certify(view, options, &request, &out, NULL, NULL, NULL) == CT_OK);
-  for (int k = 0; k < 3; k++) {
-    CHECK(memcmp(l + 3 * k, lo + 3 * pixels[k], 3 * sizeof *l) == 0);
-    CHECK(memcmp(h + 3 * k, hi + 3 * pixels[k], 3 * sizeof *h) == 0);
+  certify_some(view, options, "scalar", 1, pixels, other_lo, other_hi, other_class);
+  for (int i = 0; i < N_SOME; i++) {
+    CHECK(class[i] == CT_CERTIFIED || other_class[i] != CT_CERTIFIED);
+    for (int c = 3 * i; c < 3 * i + 3; c++)
+      CHECK(lo[c] <= other_hi[c] && other_lo[c] <= hi[c]);
   }
 }
 
 int main(int argc, char **argv) {
-  int n_scenes = argc > 2 ? atoi(argv[2]) : 60;
+  int n_scenes = argc > 2 ? atoi(argv[2]) : 150;
   if (argc > 3) random_state ^= (uint64_t)atoi(argv[3]) * UINT64_C(0x9e3779b97f4a7c15);
   for (int i = 0; i < n_scenes; i++) {
     ct_fault fault;
+    ct_frame frame;
     ct_scene_view view = random_scene();
     if (ct_scene_check(&view, &fault) != CT_OK) continue;
     ct_options *options = ct_options_new();
     random_options(options);
-    CHECK(certify(&view, options, "native", 1, lo, hi, class) == CT_OK);
-    for (size_t k = 0; ct_instructions_name(k); k++)
-      if (strcmp(ct_instructions_name(k), "scalar") != 0)
-        same_bits_as(&view, options, ct_instructions_name(k), 1);
-    closes_as_much_as_scalar(&view, options);
-    same_bits_as(&view, options, "native", 3);
-    same_bits_alone(&view, options);
-    ct_frame frame;
     CHECK(ct_frame_open(&frame, &view, options) == CT_OK);
-    const ct_set_stream *stream = ct_set_stream_for(&frame);
-    if (stream) holds_double_double(&frame, stream);
+    if (enclose(&frame, 1, &first)) {
+      const char *set;
+      for (size_t k = 0; (set = ct_instructions_name(k)) != NULL; k++) {
+        CHECK(ct_options_set_instructions(options, set, &fault) == CT_OK);
+        /* In another order, too: a pixel's bits are its own. */
+        if (!enclose(&frame, k % 2 ? 1 : 10, &again)) continue; /* "scalar" has no stream */
+        CHECK(memcmp(&first, &again, sizeof first) == 0);
+      }
+      for (size_t p = 0; p < N_PIXELS; p++) n_closed += !first.open[p];
+      holds_double_double(&frame, &first);
+#if defined(__SIZEOF_FLOAT128__)
+      if (i % 4 == 0) holds_float128(&frame, options, &first);
+#endif
+      if (i % 10 == 0) certifies_as_much_as_scalar(&view, options);
+    }
     ct_frame_close(&frame);
-    if (i % 4 == 0) holds_float128(&view, options);
     ct_options_free(options);
   }
-  CHECK(n_checked > n_scenes * 10);
-  if (argc > 2) printf("closed %lld, of which checked %lld\n", (long long)n_closed, (long long)n_checked);
+  CHECK(n_checked > n_scenes * 10 && n_excused * 10000 <= n_closed);
+  if (argc > 2)
+    printf("closed %lld, checked %lld, excused %lld\n", (long long)n_closed, (long long)n_checked,
+           (long long)n_excused);
   return 0;
 }
