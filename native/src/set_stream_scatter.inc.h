@@ -66,6 +66,21 @@ static inline VI ratio_at(const SWORLD *world, const HITS *hit, const STREAM *ra
   return vi(-a / b, a / b);
 }
 
+/* By a plane's matrix, each component of d counts once; d + 2 (n.wo) n counts its error three times,
+ * which between two mirrors grows with every bounce. */
+static inline void mirror(const HITS *hit, const VI d[3], VI cosine, MASK inside, VI out[3]) {
+  VI k = vi_of_positives(vi_add(cosine, cosine), hit->inverse);
+  for (int i = 0; i < 3; i++) {
+    if (!hit->solid->is_plane) {
+      out[i] = vi_add(d[i], vi_by_positive(k, vi_flip(inside, hit->across[i])));
+      continue;
+    }
+    const IV *row = hit->solid->mirror[i];
+    out[i] = vi_add(vi_add(vi_mul(vi_from(row[0]), d[0]), vi_mul(vi_from(row[1]), d[1])),
+                    vi_mul(vi_from(row[2]), d[2]));
+  }
+}
+
 /* Refraction bends by k along the normal, k = (1 - ratio^2)/(sqrt(delta) + ratio cosine): the
  * quotient holds the cosine's error once, where the difference that it equals holds it twice. */
 static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
@@ -128,9 +143,7 @@ static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
   }
   MASK reflects = m_but(kr > 0 ? lanes : total, *bad);
   if (!m_any(reflects)) return;
-  VI twice = vi_add(cosine, cosine), k = vi_of_positives(twice, hit->inverse);
-  for (int i = 0; i < 3; i++)
-    direction[i] = vi_add(d[i], vi_by_positive(k, vi_flip(inside, hit->across[i])));
+  mirror(hit, d, cosine, inside, direction);
   start_beside(world, hit, inside, direction, origin);
   MASK parts[2] = {m_and(reflects, total), m_but(reflects, total)};
   for (int p = 0; p < 2; p++) {

@@ -8,6 +8,7 @@ typedef struct SET_FN(solid) {
   double radius, inverse_radius, size; /* upper bounds of 1/r and |c|; |p| and |n| of a plane */
   double slant;
   IV square, inverse; /* r^2; 1/r or 1/|n| */
+  IV mirror[3][3];    /* of a plane: I - 2 n n'/|n|^2 */
 } SOLID;
 
 typedef struct SET_FN(stream_world) {
@@ -38,6 +39,15 @@ static void leave_open(BATCH *batch, const STREAM *rays, int at, MASK lanes) {
     batch->open[(int)rays->slot[at + __builtin_ctz(bits)]] = 1;
 }
 
+static void set_mirror(const double *n, IV mirror[3][3]) {
+  IV square = i3_square(i3_from(n));
+  for (int k = 0; k < 3; k++)
+    for (int j = 0; j < 3; j++) {
+      IV part = i_over_positive(i_mul(i_from(2 * n[k]), i_from(n[j])), square);
+      mirror[k][j] = i_sub(i_from(k == j), part);
+    }
+}
+
 static SOLID solid_from(const WORLD *base, size_t i) {
   const ct_scene_view *v = base->view;
   const double *g = v->geometry + i * CT_GEOMETRY_COLUMNS;
@@ -47,6 +57,7 @@ static SOLID solid_from(const WORLD *base, size_t i) {
   if (s.is_plane) {
     s.slant = fabs(g[3]) + fabs(g[4]) + fabs(g[5]);
     s.inverse = i_over_positive(i_from(1), i3_length(i3_from(g + 3)));
+    set_mirror(g + 3, s.mirror);
   } else {
     s.radius = g[3];
     s.square = i_square(i_from(g[3]));
