@@ -106,8 +106,7 @@ static inline ROOTS roots_of(const MEETING *m) {
 typedef struct SET_FN(nearest) {
   IDS object;            /* index of the solid, -1: none that is sure */
   LANES n, h;            /* bounds of its distance */
-  LANES t, root;         /* of a sphere: near the distance, and half the difference of the roots, negative
-                        at the far one */
+  LANES t, root;         /* of a sphere: near the distance, and half the difference of the roots */
   LANES rival;           /* no other solid is hit before this */
 } NEAREST;
 
@@ -136,7 +135,7 @@ static inline void offer_sphere(NEAREST *best, const MIDDLE *q, const SOLID *s, 
   /* The last condition is for the enclosure of the hit: set_stream_point.inc.h. */
   MASK sure = m_and(m_and(possible, l_less(m.disc_n, zero)),
                  m_and(l_less(n, zero), l_at_most(h + n, r.middle * 0x1p-11)));
-  offer(best, index, possible, sure, n, h, t, l_blend(is_past, -r.middle, r.middle));
+  offer(best, index, possible, sure, n, h, t, r.middle);
 }
 
 /* Exact where the plane's numbers and the ray's are. */

@@ -9,19 +9,19 @@ typedef struct SET_FN(hits) {
   VI cosine;  /* normal.wo */
 } HITS;
 
-/* With t near a root of g(t) = |o + t d - c|^2 - r^2 = (t - t1)(t - t2), the root itself is
- * t1 = t + g(t) / (t2 - t), and t2 = t - g(t) / (t - t1). XX */
+/* With t near a root of g(t) = |o + t d - c|^2 - r^2 = (t - t1)(t - t2), the roots are
+ * t1 = t + g(t) / (t2 - t) and t2 = t - g(t) / (t - t1): within |g(t) / D| of t. Here |D| is within
+ * 2^-10 of itself of 2 root, as it is 2 sqrt(disc) but for |t - t1| or |t - t2|, and root, sqrt(disc)
+ * and t are within (h + n)/2 and h + n of each other's true values, h and n being the bounds of the
+ * hit, for which set_stream_hit.inc.h asks that h + n <= 2^-11 root. */
 static inline void enclose_on_sphere(const VI o[3], const VI d[3], const SOLID *s,
                                      const NEAREST *hit, HITS *out) {
-  LANES zero = l_all(0), t = l_greater(hit->t, zero);
+  LANES t = l_greater(hit->t, l_all(0));
   VI l[3];
   for (int k = 0; k < 3; k++)
     l[k] = vi((o[k].n + s->g[k]) + t * d[k].n, (o[k].h - s->g[k]) + t * d[k].h);
   VI g = vi_add(vi_square3(l), vi(l_all(s->square.hi), l_all(s->square.nlo)));
-  LANES y = 0.5 / l_abs(hit->root);
-  VI part = vi(y * (0x1p-9 - 1), y * (1 + 0x1p-9));
-  VI shift = vi_by_positive(part, vi_flip(l_less(hit->root, zero), g));
-  LANES reach = l_greater(shift.n, shift.h);
+  LANES reach = l_greater(g.n, g.h) * (0.5 / hit->root) * (1 + 0x1p-9);
   for (int k = 0; k < 3; k++) {
     LANES more = reach * l_greater(d[k].n, d[k].h);
     out->across[k] = vi(l[k].n + more, l[k].h + more);
