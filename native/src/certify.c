@@ -1,7 +1,8 @@
 /* Certified pixels: an enclosure of the real-arithmetic value, or undecidable with its reason.
  *
- * Every pixel goes through intervals in double; what is left open through double-double; what is
- * then left through float128. Open means: an enclosure wider than the tolerance, a decision whose
+ * Pixels go through intervals in double: in vectors where the frame allows it (set_stream.h), then
+ * those that this leaves open one by one. What is then left goes through double-double, and what is
+ * left of that through float128. Open means: an enclosure wider than the tolerance, a decision whose
  * outcomes differ by more than it, or a quantity too wide to go on with.
  */
 #include <float.h>
@@ -125,13 +126,13 @@ static void certify_batch(job *j, uint64_t begin, uint64_t end, uint64_t n_close
                           .first = {CT_DECISION_NONE, 0, -1}};
   memcpy(open, batch.open, CHUNK);
   for (uint64_t i = 0; i < end - begin; i++) {
-    for (int k = 0; k < 3 && !open[i]; k++) {
-      open[i] = !(batch.lo[k][i] <= batch.hi[k][i]); /* no number, which a width would hide */
-      result.lo[k] = result.alternatives[0][0][k] = batch.lo[k][i];
-      result.hi[k] = result.alternatives[0][1][k] = batch.hi[k][i];
+    for (int k = 0; k < 3; k++) {
+      double lo = batch.lo[k][i], hi = batch.hi[k][i];
+      /* Also where one is no number. */
+      if (!(lo <= hi) || !(hi - lo <= j->request->tolerance)) open[i] = 1;
+      result.lo[k] = result.alternatives[0][0][k] = lo;
+      result.hi[k] = result.alternatives[0][1][k] = hi;
     }
-    if (open[i]) continue;
-    open[i] = class_of(&result, j->request->tolerance) != CT_CERTIFIED;
     if (open[i]) continue;
     store(j, begin + i, &result, CT_CERTIFIED, 0);
     n_closed[0]++;

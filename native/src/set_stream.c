@@ -33,7 +33,8 @@ static int holds_numbers(const ct_frame *frame) {
   for (size_t j = 0; j < v->n_lights; j++)
     if (!holds_point(v->lights + j * CT_LIGHT_COLUMNS + 3)) return 0;
   for (size_t i = 0; i < v->n_objects; i++) {
-    const double *g = v->geometry + i * CT_GEOMETRY_COLUMNS, *m = v->material + i * CT_MATERIAL_COLUMNS;
+    const double *g = v->geometry + i * CT_GEOMETRY_COLUMNS;
+    const double *m = v->material + i * CT_MATERIAL_COLUMNS;
     if (!holds_point(g) || !(m[CT_N] <= LARGEST)) return 0;
     if (m[CT_KT] > 0 && !(m[CT_N] >= SMALLEST)) return 0;
     if (v->kind[i] == CT_SPHERE) {

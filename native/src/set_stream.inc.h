@@ -16,6 +16,7 @@
 #include "set_stream_interval.inc.h"
 #include "set_stream_world.inc.h"
 #include "set_stream_hit.inc.h"
+#include "set_stream_shadow.inc.h"
 #include "set_stream_point.inc.h"
 #include "set_stream_scatter.inc.h"
 
@@ -60,8 +61,10 @@ static inline void shade(const SWORLD *world, const STREAM *rays, int at, int is
   for (int k = 0; k < 3; k++) color[k] = vi_select(lanes, sum[k], color[k]);
 }
 
-static __attribute__((noinline)) void trace_vector(const SWORLD *world, BATCH *batch, const STREAM *rays, int at,
-                         int64_t depth, COLORS *out, CHILD *mirrored, CHILD *refracted) {
+static __attribute__((noinline)) void trace_vector(const SWORLD *world, BATCH *batch,
+                                                   const STREAM *rays, int at, int64_t depth,
+                                                   COLORS *out, CHILD *mirrored,
+                                                   CHILD *refracted) {
   const WORLD *base = world->base;
   const IV3 *back = &base->background;
   MASK lanes = living_lanes(batch, rays, at), bad;

@@ -1,19 +1,19 @@
-/* Which solid the rays of a vector hit, and what stands before a light, with certainty or not.
+/* Which solid the rays of a vector hit, with certainty or not.
  *
  * Spheres are met in plain double with a bound of the error, as in set_filter.inc.h; the hit itself
  * is enclosed later (set_stream_point.inc.h). Planes are met by intervals, which keep the exact
  * zeros of a ray parallel to one.
  *
- * A ray of the set is o, d with |d| = 1; the middle of the set is p, e, each component within `eo` of
- * o's and `ed` <= 2^-8 of d's. N is at least |o| and |p|. For a sphere c, r let F >= N + |c|, and let
- * f = c - o, b = f.d, l = b d - f, disc = r^2 - |l|^2, whose roots are b -+ sqrt(disc). Computed from
- * the middle, with the roundings of u = 2^-52 each,
+ * A ray of the set is o, d with |d| = 1; the middle of the set is p, e, each component within `eo`
+ * of o's and `ed` <= 2^-8 of d's. N is at least |o| and |p|. For a sphere c, r let F >= N + |c|,
+ * f = c - o, b = f.d, l = b d - f and disc = r^2 - |l|^2: the roots are b -+ sqrt(disc). Computed
+ * from the middle, with the roundings of u = 2^-52 each,
  *   |f' - f| <= sqrt3 eo + uF
  *   |b' - b| <= |f' - f||e| + F sqrt3 ed + 3uF|e|             <= 1.75 eo + F(1.75 ed + 4.2u)
  *   |l' - l| <= |f' - f| + |b' - b||e| + F sqrt3 ed + 3.1uF + 2.1u|b' - b|
- *                                                             <= 3.5 eo + F(3.5 ed + 8.3u)
+ *                                                             <= 3.5 eo + F(3.5 ed + 8.4u)
  * so E = 4 eo + F(4 ed + 16u) bounds both with a tenth to spare. As 2|l'| <= r + |l'|^2 / r,
- *   |disc' - disc| <= E(2|l'| + E) + 6u(r^2 + |l'|^2)  <=  E(r + |l'|^2 / r + E) + 8u(r^2 + |l'|^2).
+ *   |disc' - disc| <= E(2|l'| + E) + 6u(r^2 + |l'|^2)  <=  E(r + |l'|^2/r + E) + 8u(r^2 + |l'|^2).
  * The 2^-500 in E is more than any underflow.
  */
 
@@ -29,7 +29,10 @@ static inline MASK complete_middle(MIDDLE *q) {
   q->n = n + q->eo * 3.0;
   q->error = q->eo * 4.0 + 0x1p-500;
   q->slope = q->ed * 4.0 + 16 * LANE_U;
-  return m_and(l_at_most(q->ed, l_all(0x1p-8)), l_at_most(q->n, l_all(0x1p200)));
+  /* Of a unit vector, |d1| + |d2| + |d3| is less than 2: what is no number is not. */
+  LANES d = l_abs(q->d[0]) + l_abs(q->d[1]) + l_abs(q->d[2]);
+  MASK known = m_and(l_at_most(q->ed, l_all(0x1p-8)), l_at_most(d, l_all(2)));
+  return m_and(known, l_at_most(q->n, l_all(0x1p200)));
 }
 
 static inline MASK middle_of(const VI origin[3], const VI direction[3], MIDDLE *q) {
@@ -51,7 +54,8 @@ typedef struct SET_FN(meeting) {
 } MEETING;
 
 /* Fills E and the bounds of disc, given F and |l'|^2. */
-static inline void bound_meeting(MEETING *m, const MIDDLE *q, const SOLID *s, LANES size, LANES l2) {
+static inline void bound_meeting(MEETING *m, const MIDDLE *q, const SOLID *s, LANES size,
+                                 LANES l2) {
   m->e = q->error + size * q->slope;
   LANES error = m->e * ((m->e + s->radius) + l2 * s->inverse_radius) +
             (l2 + s->square.hi) * (8 * LANE_U);
@@ -62,8 +66,8 @@ static inline void bound_meeting(MEETING *m, const MIDDLE *q, const SOLID *s, LA
 
 static inline LANES square_sum(const LANES a[3]) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; }
 
-/* First with F = N + |c|, which most lanes need no better than; then with F = |f'| + 2 eo. Behind is
- * what has b < 0 and c = |f|^2 - r^2 = b^2 - disc > 0; from f itself, c is known the better. */
+/* First with F = N + |c|, which most lanes need no better than; then with F = |f'| + 2 eo. Behind
+ * is what has b < 0 and c = |f|^2 - r^2 = b^2 - disc > 0; from f itself, c is known the better. */
 static inline MEETING meet(const MIDDLE *q, const SOLID *s, MASK lanes) {
   MEETING m;
   LANES f[3], l[3], zero = l_all(0);
@@ -81,7 +85,8 @@ static inline MEETING meet(const MIDDLE *q, const SOLID *s, MASK lanes) {
   LANES size = l_abs(f[0]) + l_abs(f[1]) + l_abs(f[2]) + q->eo * 2.0;
   bound_meeting(&m, q, s, size, l2);
   LANES f2 = square_sum(f), ef = q->eo * 2.0 + size * (2 * LANE_U);
-  LANES error = ef * ((ef + s->radius) + f2 * s->inverse_radius) + (f2 + s->square.hi) * (8 * LANE_U);
+  LANES error = ef * ((ef + s->radius) + f2 * s->inverse_radius) +
+                (f2 + s->square.hi) * (8 * LANE_U);
   LANES c = f2 - s->square.hi;
   behind = m_and(l_less(m.b + m.e, zero), l_less(error, c));
   m.live = m_but(m_but(m.live, l_less(m.disc_h, zero)), behind);
@@ -89,7 +94,7 @@ static inline MEETING meet(const MIDDLE *q, const SOLID *s, MASK lanes) {
   return m;
 }
 
-/* Bounds of both roots where there are any; the middle of the root of disc, within root_h - root_l. */
+/* Bounds of both roots where there are any, and the middle of those of sqrt(disc). */
 typedef struct SET_FN(roots) {
   LANES near_n, near_h, far_n, far_h, middle;
 } ROOTS;
@@ -106,11 +111,12 @@ static inline ROOTS roots_of(const MEETING *m) {
 typedef struct SET_FN(nearest) {
   IDS object;            /* index of the solid, -1: none that is sure */
   LANES n, h;            /* bounds of its distance */
-  LANES t, root;         /* of a sphere: near the distance, and half the difference of the roots */
+  LANES t, root; /* of a sphere: near the distance, and half the difference of the roots */
   LANES rival;           /* no other solid is hit before this */
 } NEAREST;
 
-static inline void offer(NEAREST *best, size_t object, MASK possible, MASK sure, LANES n, LANES h, LANES t, LANES root) {
+static inline void offer(NEAREST *best, size_t object, MASK possible, MASK sure, LANES n, LANES h,
+                         LANES t, LANES root) {
   MASK better = m_and(sure, l_less(h, best->h));
   LANES lo = l_greater(-n, l_all(0));
   LANES other = l_blend(better, -best->n, l_blend(possible, lo, l_all((double)INFINITY)));
@@ -164,7 +170,8 @@ static inline void offer_plane(NEAREST *best, const VI o[3], const VI d[3], cons
   MASK possible = m_but(m_but(lanes, is_parallel), is_behind);
   if (!m_any(possible)) return;
   LANES h = rise.h / -slope.n, n = rise.n / slope.h;
-  MASK sure = m_and(m_and(possible, is_steep), m_and(l_less(rise.n, zero), l_at_most(h, l_all(0x1p200))));
+  MASK sure = m_and(m_and(possible, is_steep),
+                    m_and(l_less(rise.n, zero), l_at_most(h, l_all(0x1p200))));
   offer(best, index, possible, sure, l_blend(sure, n, zero), h, zero, zero);
 }
 
@@ -193,96 +200,4 @@ static inline NEAREST nearest_of(const SWORLD *world, const VI o[3], const VI d[
   }
   *bad = m_but(lanes, m_or(is_hit, is_miss));
   return best;
-}
-
-/* ---- Shadows ---- */
-
-typedef struct SET_FN(lanes_shadow) {
-  MASK sure, possible;
-} SHADOW;
-
-/* A root between `least` and [-limit_n, limit_h]. */
-static inline void add_sphere_shadow(SHADOW *shadow, const MIDDLE *q, const SOLID *s, LANES least,
-                                     LANES limit_n, LANES limit_h, MASK lanes) {
-  MEETING m = meet(q, s, lanes);
-  LANES zero = l_all(0), beyond = (limit_h + m.e) - m.b;
-  /* Beyond the light: b - limit > 0 and above the root of disc. */
-  MASK past = m_and(l_less(beyond, zero), l_less(m.disc_h + beyond * -beyond, zero));
-  MASK live = m_but(m.live, past);
-  if (!m_any(live)) return;
-  ROOTS r = roots_of(&m);
-  MASK near_out = m_or(l_at_most(r.near_h, least), l_less(r.near_n + limit_h, zero));
-  MASK far_out = m_or(l_at_most(r.far_h, least), l_less(r.far_n + limit_h, zero));
-  MASK near_in = m_and(l_less(r.near_n + least, zero), l_less(r.near_h + limit_n, zero));
-  MASK far_in = m_and(l_less(r.far_n + least, zero), l_less(r.far_h + limit_n, zero));
-  live = m_but(live, m_and(near_out, far_out));
-  shadow->possible = m_or(shadow->possible, live);
-  shadow->sure = m_or(shadow->sure, m_and(m_and(live, l_less(m.disc_n, zero)),
-                                          m_or(near_in, far_in)));
-}
-
-/* In plain double: with N + |p| >= |p - o|, the errors of (p - o).n and d.n are at most
- * |n|(sqrt3 eo + 5u(N + |p|)) and |n|(sqrt3 ed + 5u). */
-static inline void add_plane_shadow(SHADOW *shadow, const MIDDLE *q, const SOLID *s, LANES least,
-                                    LANES limit_n, LANES limit_h, MASK lanes) {
-  LANES zero = l_all(0), rise = zero, slope = zero;
-  for (int k = 0; k < 3; k++) {
-    if (!(s->g[3 + k] < 0) && !(s->g[3 + k] > 0)) continue;
-    rise = rise + (s->g[k] - q->o[k]) * s->g[3 + k];
-    slope = slope + q->d[k] * s->g[3 + k];
-  }
-  LANES er = (q->eo * 2.0 + (q->n + s->size) * (5 * LANE_U)) * s->slant;
-  LANES es = (q->ed * 2.0 + 5 * LANE_U) * s->slant;
-  MASK minus = l_less(slope, zero), is_steep;
-  LANES steep_n = es - l_abs(slope), steep_h = es + l_abs(slope); /* of |slope| */
-  LANES level_h = er - l_abs(rise);                                     /* of -|rise| */
-  rise = l_blend(minus, -rise, rise);
-  LANES rise_n = er - rise, rise_h = er + rise;
-  is_steep = l_less(steep_n, zero);
-  MASK out = m_or(m_and(is_steep, l_at_most(rise_h + least * steep_n, zero)),
-               l_less(level_h + limit_h * steep_h, zero));
-  MASK live = m_but(lanes, out);
-  MASK in = m_and(l_less(rise_n + least * steep_h, zero), l_less(rise_h + -limit_n * steep_n, zero));
-  shadow->possible = m_or(shadow->possible, live);
-  shadow->sure = m_or(shadow->sure, m_and(m_and(live, is_steep), in));
-}
-
-/* The solid that the rays leave, from a point P of it. A plane is not met again: the origin, moved
- * towards the light or to its side, and the light are on one side. From P + epsilon l, a sphere's
- * roots are exactly -epsilon and -epsilon - 2 (P - c).l, the second of which is `other`. */
-static inline void add_own_shadow(SHADOW *shadow, VI other, LANES least, VI limit, MASK lanes) {
-  LANES zero = l_all(0);
-  MASK out = m_or(l_at_most(other.h, least), l_less(other.n + limit.h, zero));
-  MASK in = m_and(l_less(other.n + least, zero), l_less(other.h + limit.n, zero));
-  shadow->possible = m_or(shadow->possible, m_but(lanes, out));
-  shadow->sure = m_or(shadow->sure, m_and(lanes, in));
-}
-
-/* What may stand on the rays q before the light, whose distance is `limit`. */
-static inline SHADOW shadow_on(const SWORLD *world, const MIDDLE *q, size_t light, VI limit,
-                               const SOLID *own, VI other, MASK lanes) {
-  const ct_frame *frame = world->base->frame;
-  double far = frame->options->far;
-  LANES least = l_all(frame->options->shadow_min);
-  if (far > 0) limit = vi(l_greater(limit.n, l_all(-far)), l_lesser(limit.h, l_all(far)));
-  SHADOW shadow = {m_none(), m_none()};
-  for (size_t i = 0; i < world->n_solids; i++) {
-    const SOLID *s = &world->solids[i];
-    MASK left = m_but(lanes, shadow.sure);
-    if (!m_any(left)) break;
-    if (s == own && s->is_plane) continue;
-    if (frame->n_lights_on && world->base->choice[CT_OFFSET] != CT_OFFSET_MITSUBA &&
-        ct_light_is_on(frame, light, s->object)) {
-      /* No blocker there but the far side of another sphere, left to the scalar kernel. */
-      if (!s->is_plane && s != own) shadow.possible = m_or(shadow.possible, meet(q, s, left).live);
-      continue;
-    }
-    if (s == own && world->base->choice[CT_OFFSET] != CT_OFFSET_MITSUBA)
-      add_own_shadow(&shadow, other, least, limit, left);
-    else if (s->is_plane)
-      add_plane_shadow(&shadow, q, s, least, limit.n, limit.h, left);
-    else
-      add_sphere_shadow(&shadow, q, s, least, limit.n, limit.h, left);
-  }
-  return shadow;
 }

@@ -19,7 +19,9 @@ static inline VI vi_select(MASK m, VI a, VI b) {
 }
 /* The other sign in the lanes m. */
 static inline VI vi_flip(MASK m, VI a) { return vi(l_blend(m, a.h, a.n), l_blend(m, a.n, a.h)); }
-static inline VI vi_floor_zero(VI a) { return vi(l_lesser(a.n, l_all(0)), l_greater(a.h, l_all(0))); }
+static inline VI vi_floor_zero(VI a) {
+  return vi(l_lesser(a.n, l_all(0)), l_greater(a.h, l_all(0)));
+}
 
 /* A point of the interval, or near it, and the farthest that the interval reaches from a point. */
 static inline LANES vi_middle(VI a) { return (a.h - a.n) * 0.5; }
@@ -57,7 +59,7 @@ static inline VS vs_of(VI a) {
 static inline VI vs_mul(VS a, VI b, int straddles) {
   b = vi_flip(a.minus, b);
   VI c = vi(l_greater(b.n * a.hi, b.n * a.lo), l_greater(b.h * a.hi, b.h * a.lo));
-  /* The ends' product that counts where a.lo < 0 alone; elsewhere it is one of the others' or less. */
+  /* The product of ends that counts where a.lo < 0 alone; elsewhere it is no more than another. */
   if (straddles) c = vi(l_greater(b.h * -a.lo, c.n), l_greater(b.n * -a.lo, c.h));
   return c;
 }
@@ -88,7 +90,7 @@ static inline VI vs3_dot(const VS3 *a, const VI b[3]) {
 
 /* Root and its inverse of q > 0 with one root and one division.
  *
- * s = sqrt(q.hi) and y = 1/s, each rounded upward once, and w = (q.hi - q.lo)/q.hi <= 1/32, of which
+ * s = sqrt(q.hi) and y = 1/s, each rounded upward once; w = (q.hi - q.lo)/q.hi <= 1/32, of which
  * `width` below is an upper bound but for 3u of itself. For such w, sqrt(1 - w) >= 1 - 0.53w and
  * 1/sqrt(1 - w) <= 1 + 0.6w. So with e = 4u + 0.75 width,
  *   s(1 - e) <= sqrt(q) <= s,  y(1 - 4u) <= 1/sqrt(q) <= y(1 + e),  |y sqrt(q) - 1| <= e.

@@ -4,16 +4,16 @@ typedef struct SET_FN(hits) {
   const SOLID *solid;
   VI point[3];
   VI across[3]; /* normal as in the file: from the centre of a sphere, not of length 1 */
-  VS3 across_signed, direction_signed;
+  VS3 across_signed, direction_signed; /* the former of spheres alone */
   VI inverse; /* of the length of `across` */
   VI cosine;  /* normal.wo */
 } HITS;
 
 /* With t near a root of g(t) = |o + t d - c|^2 - r^2 = (t - t1)(t - t2), the roots are
  * t1 = t + g(t) / (t2 - t) and t2 = t - g(t) / (t - t1): within |g(t) / D| of t. Here |D| is within
- * 2^-10 of itself of 2 root, as it is 2 sqrt(disc) but for |t - t1| or |t - t2|, and root, sqrt(disc)
- * and t are within (h + n)/2 and h + n of each other's true values, h and n being the bounds of the
- * hit, for which set_stream_hit.inc.h asks that h + n <= 2^-11 root. */
+ * 2^-10 of itself of 2 root, as it is 2 sqrt(disc) but for |t - t1| or |t - t2|; with the bounds
+ * -n and h of the hit, root is within (h + n)/2 of sqrt(disc) and t within h + n of the hit, and
+ * set_stream_hit.inc.h asks that h + n <= 2^-11 root. */
 static inline void enclose_on_sphere(const VI o[3], const VI d[3], const SOLID *s,
                                      const NEAREST *hit, HITS *out) {
   LANES t = l_greater(hit->t, l_all(0));
@@ -45,6 +45,11 @@ static inline void enclose_on_plane(const VI o[3], const VI d[3], const SOLID *s
   }
 }
 
+/* across.a */
+static inline VI across_along(const HITS *hit, const VI a[3]) {
+  return hit->solid->is_plane ? slope_to(hit->solid, a) : vs3_dot(&hit->across_signed, a);
+}
+
 static inline void enclose_hits(const VI o[3], const VI d[3], const VS3 *d_signed,
                                 const SOLID *solid, const NEAREST *hit, HITS *out) {
   out->solid = solid;
@@ -53,9 +58,9 @@ static inline void enclose_hits(const VI o[3], const VI d[3], const VS3 *d_signe
   else
     enclose_on_sphere(o, d, solid, hit, out);
   out->direction_signed = *d_signed;
-  out->across_signed = vs3_of(out->across);
+  if (!solid->is_plane) out->across_signed = vs3_of(out->across);
   out->inverse = vi_from(solid->inverse);
-  VI along = vs3_dot(d_signed, out->across);
+  VI along = across_along(out, d);
   out->cosine = vi_by_positive(out->inverse, vi(along.h, along.n));
 }
 
@@ -111,7 +116,7 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, MAS
     way[k] = vi(hit->point[k].h - light[k], hit->point[k].n + light[k]);
   LENGTH length = length_of(vi_square3(way));
   *bad = m_or(*bad, m_but(lanes, length.known));
-  VI across = vs3_dot(&hit->across_signed, way);
+  VI across = across_along(hit, way);
   VI cosine = vi_by_positive(vi_of_positives(hit->inverse, length.inverse), across);
   MASK needed = m_none();
   if (is_diffuse) needed = l_less(zero, cosine.h);
@@ -131,13 +136,14 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, MAS
 
   VI c[3];
   cosine = vi_floor_zero(cosine);
+  if (is_specular) shine = vi_times(l_all(m[CT_KS]), shine);
   const IV diffuse[3] = {base->diffuse[object].x, base->diffuse[object].y, base->diffuse[object].z};
   const IV color[3] = {base->light[j].x, base->light[j].y, base->light[j].z};
   for (int k = 0; k < 3; k++) {
     c[k] = vi(zero, zero);
-    if (is_diffuse) c[k] = vi_of_positives(vi_from(i_mul(diffuse[k], color[k])), cosine);
-    if (is_specular)
-      c[k] = vi_add(c[k], vi_of_positives(vi_from(i_mul(i_from(m[CT_KS]), color[k])), shine));
+    if (is_diffuse) c[k] = vi_of_positives(vi_from(diffuse[k]), cosine);
+    if (is_specular) c[k] = vi_add(c[k], shine);
+    c[k] = vi_of_positives(vi_from(color[k]), c[k]);
   }
   if (base->effects & CT_SHADOWS) {
     MIDDLE q;

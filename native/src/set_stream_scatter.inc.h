@@ -66,8 +66,8 @@ static inline VI ratio_at(const SWORLD *world, const HITS *hit, const STREAM *ra
   return vi(-a / b, a / b);
 }
 
-/* By a plane's matrix, each component of d counts once; d + 2 (n.wo) n counts its error three times,
- * which between two mirrors grows with every bounce. */
+/* By a plane's matrix, each component of d counts once; d + 2 (n.wo) n counts its error three
+ * times, which between two mirrors grows with every bounce. */
 static inline void mirror(const HITS *hit, const VI d[3], VI cosine, MASK inside, VI out[3]) {
   VI k = vi_of_positives(vi_add(cosine, cosine), hit->inverse);
   for (int i = 0; i < 3; i++) {
@@ -84,8 +84,8 @@ static inline void mirror(const HITS *hit, const VI d[3], VI cosine, MASK inside
 /* Refraction bends by k along the normal, k = (1 - ratio^2)/(sqrt(delta) + ratio cosine): the
  * quotient holds the cosine's error once, where the difference that it equals holds it twice. */
 static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
-                           const STREAM *rays, int at, MASK lanes, CHILD *mirrored, CHILD *refracted,
-                           MASK *bad) {
+                           const STREAM *rays, int at, MASK lanes, CHILD *mirrored,
+                           CHILD *refracted, MASK *bad) {
   const WORLD *base = world->base;
   const double *m = base->view->material + hit->solid->object * CT_MATERIAL_COLUMNS;
   double kr = base->effects & CT_REFLECTION ? m[CT_KR] : 0;
@@ -111,7 +111,8 @@ static inline void scatter(const SWORLD *world, const HITS *hit, const VI d[3],
     total = m_and(total, lanes);
     through = m_but(lanes, total);
     if (kt > 0 && m_any(through)) {
-      LANES low = l_root(l_greater(-delta.n, zero)) * (1 - 4 * LANE_U), high = l_root(l_greater(delta.h, zero));
+      LANES low = l_root(l_greater(-delta.n, zero)) * (1 - 4 * LANE_U);
+      LANES high = l_root(l_greater(delta.h, zero));
       LANES sum_h = high + ratio.h * cosine.h, sum_n = ratio.n * -cosine.n - low;
       minus = m_but(minus, plus);
       bend = vi_of_positives(vi_flip(minus, bend), hit->inverse);

@@ -90,8 +90,10 @@ static ct_scene_view random_scene(void) {
 
 static void random_options(ct_options *options) {
   static const char *const settings[][2] = {
-      {"epsilon", "1e-3"}, {"epsilon", "0"}, {"light_min", "1e-3"}, {"index", "float32"}, {"shadow_min", "1e-3"}, {"far", "7"},
-      {"nesting", "tracked"}, {"nesting", "interiors"}, {"offset", "mitsuba"}, {"epsilon", "1e-9"}, {"far", "1e7"}};
+      {"epsilon", "1e-3"},    {"epsilon", "0"},         {"epsilon", "1e-9"},
+      {"shadow_min", "1e-3"}, {"light_min", "1e-3"},    {"far", "7"},
+      {"far", "1e7"},         {"index", "float32"},     {"nesting", "tracked"},
+      {"nesting", "interiors"}, {"offset", "mitsuba"}};
   ct_fault fault;
   for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
     if (one_in(5))
@@ -132,7 +134,7 @@ static int enclose(const ct_frame *frame, int64_t step, known *out) {
 
 static int64_t n_closed, n_checked, n_excused;
 
-/* Truth: the scalar kernel in double-double, whose enclosures are of 1e-25 where nothing is open. */
+/* Truth: the scalar kernel in double-double, whose enclosures are some 1e-25 wide. */
 static void holds_double_double(const ct_frame *frame, const known *k) {
   const atomic_int stop = 0;
   const ct_set_limits limits = {1, 1 << 16, &stop};

@@ -76,8 +76,9 @@ static SOLID random_sphere(ray_set *r) {
   double miss = uniform() < 0.3 ? 1 + uniform_in(-1, 1) * exponential_in(1e-16, 1e-1)
                                 : uniform_in(0, 1.5);
   double half = miss < 1 ? radius * sqrt(1 - miss * miss) : radius;
-  double back = uniform() < 0.4 ? half * (uniform() < 0.5 ? 1 : -1) + scale * uniform_in(-1e-5, 1e-5)
-                                : radius * uniform_in(-3, 20);
+  double back = radius * uniform_in(-3, 20);
+  if (uniform() < 0.4) /* on the surface, or nearly */
+    back = half * (uniform() < 0.5 ? 1 : -1) + scale * uniform_in(-1e-5, 1e-5);
   for (int k = 0; k < 3; k++) {
     r->o[k] = (ct_wide)(s.g[k] + miss * radius * across[k] - back * d[k]);
     r->d[k] = d[k];
