@@ -94,7 +94,7 @@ def classify(
 
     `truth` encloses the whole frame under `readings`. `half_step` is that of the lane's output.
     """
-    finite = np.isfinite(image).all(axis=-1)
+    finite = np.asarray(np.isfinite(image).all(axis=-1))
     values = np.where(finite[..., None], image, 0.0)
     slack = tolerance(values, ledger.arithmetic, half_step)
     classes = np.full(image.shape[:2], Class.WRONG, np.uint8)

@@ -27,7 +27,10 @@ COMMANDS = {
     "translate": "Write a scene in another renderer's own language.",
     "compare": "Compare two images in numbers.",
     "explain": "Show the rays of one pixel, its true value, and every lane's.",
+    "check": "Render scenes again and hold them against their goldens.",
+    "bless": "Accept new results as goldens, with a reason.",
     "effects": "Say what a scene calls for, object by object.",
+    "stability": "Say how far the result can be trusted numerically.",
     "report": "Draw the page again from a report.json.",
     "doctor": "Say which renderers work here, and how to install what is missing.",
 }

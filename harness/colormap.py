@@ -72,6 +72,14 @@ def class_picture(classes: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.array(CLASS_COLORS, np.uint8)[classes]
 
 
+def classes_of_picture(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Read the classes, (v_res, h_res), back from their picture; ValueError for another one."""
+    same = (picture[..., None, :] == np.array(CLASS_COLORS, np.uint8)).all(axis=-1)
+    if not same.any(axis=-1).all():
+        raise ValueError("a colour that stands for no class")
+    return np.asarray(np.argmax(same, axis=-1), np.uint8)
+
+
 def css_gradient() -> str:
     """Return the ramp as the stops of a CSS gradient from left to right."""
     return ", ".join(f"rgb({r} {g} {b})" for r, g, b in STOPS)

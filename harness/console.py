@@ -10,7 +10,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress as RichProgress
     from rich.progress import TaskID
+
+    from crosstrace.harness.schedule import Event
 
 WIDTH = 80
 
@@ -72,6 +74,19 @@ def progress(quiet: bool, text: str, counted: bool = True) -> Iterator[Bar]:
     columns = (BarColumn(20), count, TimeElapsedColumn(), words)
     with Progress(*columns, console=_console(sys.stderr), transient=True) as bar:
         yield Bar(quiet, bar, bar.add_task(_cut(text), total=None if counted else 1.0))
+
+
+def observer(bar: Bar) -> Callable[[Event], None]:
+    """Return what shows the events of a run in a bar."""
+
+    def observe(event: Event) -> None:
+        if event.kind != "start":
+            part = event.fraction if event.kind == "progress" else 0.0
+            words = " ".join(word for word in (event.what, event.scene, event.lane) if word)
+            text = f"{words}: {event.message}" if event.message else words
+            bar.update(event.done + part, event.total, text, event.kind == "failed")
+
+    return observe
 
 
 def note(text: str, quiet: bool = False) -> None:

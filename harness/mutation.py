@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from crosstrace.harness import tasks
 from crosstrace.harness.faults import FAULTS, Fault, changed_pixels
@@ -21,12 +21,39 @@ from crosstrace.harness.sources import Source
 from crosstrace.translators.errors import RendererError, SceneError
 from crosstrace.translators.renderer import Rendering, RenderOptions
 
+if TYPE_CHECKING:
+    from crosstrace.translators.native.truth import Enclosures
+
 #: A fault that changes no more pixels than this need not be caught.
 CHANGED_ENOUGH = 20
 
 #: Takes a scene, one rendering a lane and the lane that has the fault; returns whether the
-#: disagreement is caught, and whether it is blamed on that lane and no other.
+#: disagreement is caught, and whether it is blamed on that lane and no other. `Court` is one.
 Judge = Callable[[Source, Mapping[str, Rendering], str], tuple[bool, bool]]
+
+
+class Court:
+    """The judge of a run: caught is any bad verdict, blamed is that lane and no other."""
+
+    def __init__(self, threads: int = 0) -> None:
+        """Begin with no truth known; that of a scene is kept for the next fault in it."""
+        self._threads = threads
+        self._scene = ""
+        self._known: Enclosures | None = None
+
+    def __call__(
+        self, source: Source, made: Mapping[str, Rendering], lane: str
+    ) -> tuple[bool, bool]:
+        """Judge the renderings of one scene of which `lane` has a fault."""
+        from crosstrace.harness import judging
+        from crosstrace.harness.outcome import GOOD
+
+        known = self._known if self._scene == source.scene.sha256 else None
+        lanes = {name: (it.image, it.half_step) for name, it in made.items()}
+        found = judging.judge(source.scene, lanes, threads=self._threads, known=known)
+        self._scene, self._known = source.scene.sha256, found.known
+        return found.verdict.word not in GOOD, found.verdict.blame == (lane,)
+
 
 #: What a lane may answer; a wrong name is the caller's mistake, and raised.
 _FAILURES = (RendererError, SceneError)

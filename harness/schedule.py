@@ -67,6 +67,7 @@ class Settings:
 
     `root` is the directory of the report, `pixels` one for float64 images, both seen by every
     worker. `options` go to every lane, its readings and its precision to the reference alone.
+    `tolerance` widens what counts as equal, on linear float.
     """
 
     lanes: tuple[str, ...]
@@ -75,6 +76,7 @@ class Settings:
     options: RenderOptions
     timeout_s: float | None = None
     observe: Callable[[Event], None] = lambda event: None
+    tolerance: float = 0.0
 
 
 class Session:
@@ -115,6 +117,7 @@ class Session:
             "precision": options.precision,
             "threads": options.threads,
             "timeout_s": self._settings.timeout_s,
+            "tolerance": self._settings.tolerance,
         }
         return record.report(scenes, probes, settings)
 
@@ -194,7 +197,7 @@ class Session:
         source, settings = self._sources[i], self._settings
         made = {lane: self._rendered[i, lane] for lane in self._lanes}
         exhibits = [
-            judging.Exhibit(lane, self._pixels(i, lane), entry["half_step"])
+            judging.Exhibit(lane, self._pixels(i, lane), entry["half_step"] + settings.tolerance)
             for lane, entry in made.items()
             if entry["status"] == "ok"
         ]

@@ -26,7 +26,8 @@ class RunOptions:
     `jobs` is how many images are worked on at once (0: one a core); `threads` how many each may use
     (0: one where several are worked on at once, all cores otherwise). An image that takes longer
     than `timeout_s` is given up (None: never). `readings` and `precision` are the reference lane's.
-    `size` (rows, columns) overrides the resolution.
+    `size` (rows, columns) overrides the resolution. `tolerance` counts as equal on linear float,
+    beside what each lane's arithmetic and output cannot hold.
     """
 
     lanes: tuple[str, ...] = LANES
@@ -36,6 +37,7 @@ class RunOptions:
     readings: Mapping[str, str] = field(default_factory=dict)
     precision: str = "f64"
     size: tuple[int, int] | None = None
+    tolerance: float = 0.0
 
 
 def run(
@@ -64,8 +66,9 @@ def run(
             threads=threads, readings=dict(options.readings), precision=options.precision
         )
         settings = Settings(
-            options.lanes, built, pixels, rendering, options.timeout_s, events or (lambda _: None)
-        )
+            options.lanes, built, pixels, rendering, options.timeout_s,
+            events or (lambda _: None), options.tolerance,
+        )  # fmt: skip
         report = Session(from_scenes(scenes, options.size), settings, pool).run()
         report["run"] |= {"jobs": slots, "seconds": time.perf_counter() - started}
         publish(built, Path(out), report)

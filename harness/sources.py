@@ -48,6 +48,11 @@ def hard_names() -> tuple[str, ...]:
     return tuple(_index(HARD))
 
 
+def all_packaged_names() -> tuple[str, ...]:
+    """Return the names of the packaged course scenes and then of the numerically hard ones."""
+    return (*packaged_names(), *hard_names())
+
+
 def find(
     texts: Iterable[str] = (),
     *,
@@ -122,7 +127,7 @@ def _sources(text: str, delivery: int | None) -> list[Source]:
         return [_from_file(path, delivery)]
     found = _packaged(text)
     if found is None:
-        known = ", ".join((*packaged_names(), *_index(HARD)))
+        known = ", ".join(all_packaged_names())
         raise UsageError(
             f"{text}: expected a scene file, a folder or a packaged scene ({known}), found neither"
         )

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from crosstrace.harness.lanes import REFERENCE
-from crosstrace.harness.outcome import sentence
+from crosstrace.harness.outcome import outcome, sentence
 
 Table = tuple[tuple[str, ...], list[tuple[str, ...]], tuple[str, ...]]
 
@@ -48,12 +48,17 @@ def by_lane(report: Mapping[str, Any]) -> Table:
     return ("all scenes", "images", *_NUMBERS), rows, _NUMBERS
 
 
-def verdicts(report: Mapping[str, Any]) -> Iterator[str]:
-    """Say of each scene how it came out, in words; those that agree share a line."""
+def verdicts(report: Mapping[str, Any], only_departing: bool = False) -> Iterator[str]:
+    """Say of each scene how it came out, in words; those that agree share a line.
+
+    `only_departing`: of none that came out as it should.
+    """
     agreeing = [scene["name"] for scene in report["scenes"] if scene["verdict"] == "agree"]
-    if agreeing:
+    if agreeing and not only_departing:
         yield f"agree: {', '.join(agreeing)}"
     for scene in report["scenes"]:
+        if only_departing and outcome(scene) == "fine":
+            continue
         if scene["verdict"] != "agree":
             yield f"{scene['name']}: {scene['verdict']}. {sentence(scene)}"
 

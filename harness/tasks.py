@@ -28,6 +28,7 @@ from crosstrace.translators.scene import Scene
 
 if TYPE_CHECKING:
     from crosstrace.translators.native.explain import PixelTree
+    from crosstrace.translators.native.stability import Stability
     from crosstrace.translators.native.truth import Enclosures
 
 
@@ -69,6 +70,13 @@ def pixel(
     made, _ = render(lane, scene, options)
     red, green, blue = made.image[row, column].tolist()
     return (red, green, blue), made.half_step
+
+
+def stability(scene: Scene, threads: int) -> Stability:
+    """Measure a scene in every rung; see `crosstrace.translators.native.stability`."""
+    from crosstrace.translators.native.stability import measure
+
+    return measure(scene, threads=threads)
 
 
 def render(

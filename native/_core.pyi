@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 version: str
+compiler: str
 
 class Block:
     """One array of a parsed scene, as a read-only buffer of bytes."""

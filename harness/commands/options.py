@@ -27,6 +27,10 @@ settings = click.option(
 renderers = click.option(
     "--renderers", metavar="A,B", help="Only these, out of native,mitsuba,mitsuba-f64,povray."
 )
+reference = click.option(
+    "--reference", metavar="DIR", type=click.Path(path_type=Path),
+    help="A folder of goldens of your own, beside your scenes if you like.",
+)  # fmt: skip
 precision = click.option(
     "--precision", default="f64", show_default=True, help="Arithmetic of native."
 )
@@ -60,6 +64,19 @@ def one_scene(text: str, delivery: int | None, size: tuple[int, int] | None) -> 
     return find_one(text, delivery=delivery, size=size)
 
 
+def suite(
+    texts: Iterable[str],
+    reference: Path | None,
+    delivery: int | None,
+    size: tuple[int, int] | None,
+) -> list[Source]:
+    """Read the scenes of a regression suite: named, or all of its folder, or all packaged ones."""
+    from crosstrace.harness.sources import all_packaged_names, find
+
+    named = list(texts) or ([str(reference)] if reference else all_packaged_names())
+    return find(named, delivery=delivery, size=size)
+
+
 def one_lane(text: str) -> str:
     """Return the name of the one lane that a text names, or raise UsageError."""
     from crosstrace.harness.lanes import chosen
@@ -89,6 +106,14 @@ def check_target(path: Path) -> None:
         raise UsageError(f"{path}: expected a file name, found a directory")
     if not path.parent.is_dir():
         raise UsageError(f"{path}: cannot be written: there is no directory {path.parent}")
+
+
+def check_directory(path: Path) -> None:
+    """Raise UsageError, before any work is done, where a directory cannot be."""
+    from crosstrace.translators.errors import UsageError
+
+    if path.exists() and not path.is_dir():
+        raise UsageError(f"{path}: expected a directory, found a file")
 
 
 def _as_size(_: click.Context, __: click.Parameter, value: str | None) -> tuple[int, int] | None:

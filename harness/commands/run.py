@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from crosstrace.harness import console
 from crosstrace.harness.commands import options
-
-if TYPE_CHECKING:
-    from crosstrace.harness.schedule import Event
 
 
 @click.command("run")
@@ -58,24 +55,12 @@ def command(
     how = RunOptions(lanes, jobs or 0, threads, timeout, readings.parse(settings), precision)
     sources = find(scenes, delivery=delivery, size=size)
     with console.progress(quiet, f"scenes: {len(sources)}, renderers: {', '.join(lanes)}") as bar:
-
-        def observe(event: Event) -> None:
-            if event.kind != "start":
-                part = event.fraction if event.kind == "progress" else 0.0
-                failed = event.kind == "failed"
-                bar.update(event.done + part, event.total, _sentence(event), failed)
-
-        report = run(sources, output, how, events=observe)
+        report = run(sources, output, how, events=console.observer(bar))
     if as_json:
         console.json_result(report)
     else:
         _print(report, output, quiet)
     return exit_status(report)
-
-
-def _sentence(event: Event) -> str:
-    text = " ".join(word for word in (event.what, event.scene, event.lane) if word)
-    return f"{text}: {event.message}" if event.message else text
 
 
 def _print(report: dict[str, Any], output: Path, quiet: bool) -> None:
@@ -88,7 +73,7 @@ def _print(report: dict[str, Any], output: Path, quiet: bool) -> None:
         header, rows, numbers = summary.by_lane(report)
         console.table(header, rows, right=numbers)
         console.result("")
-    for line in summary.verdicts(report):
+    for line in summary.verdicts(report, only_departing=quiet):
         console.result(line)
     for line in summary.failures(report):
         console.result(line)

@@ -141,6 +141,10 @@ def _summary(report: Mapping[str, Any]) -> dict[str, Any]:
         "lanes": lanes,
         "images": done,
         "wanted": len(entries),
-        "incomplete": sum(scene["verdict"] == "incomplete" for scene in report["scenes"]),
+        "incomplete": sum(
+            scene["verdict"] == "incomplete"
+            or any(lane["status"] != "ok" for lane in scene["renderers"])
+            for scene in report["scenes"]
+        ),
         "any_packaged": any(scene["packaged"] for scene in report["scenes"]),
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -145,4 +146,20 @@ class Undefined(Gradient):
         """Paint, with a hole."""
         made = super().render(scene, options, progress)
         made.image[0, 0, 0] = np.nan
+        return made
+
+
+class Moody(Plain):
+    """Is right about scenes without an object, but for what a file tells it to add.
+
+    ``CROSSTRACE_TEST_MOOD`` names the file; it holds a number and the count of pixels that get it.
+    """
+
+    def render(
+        self, scene: Scene, options: RenderOptions, progress: Progress | None = None
+    ) -> Rendering:
+        """Paint the background and what is to be added."""
+        made = super().render(scene, options, progress)
+        number, n_pixels = Path(os.environ["CROSSTRACE_TEST_MOOD"]).read_text().split()
+        made.image.reshape(-1, 3)[: int(n_pixels)] += float(number)
         return made

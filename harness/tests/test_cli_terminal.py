@@ -46,7 +46,7 @@ def test_a_terminal_gets_a_bar_and_colours(tmp_path: Path) -> None:
     status, shown = on_terminal(*words)
     assert status == 0
     assert COLOR.search(shown)
-    assert b"1/1" in shown
+    assert b"2/2" in shown
 
 
 def test_no_color_takes_the_colours_away(tmp_path: Path) -> None:
@@ -66,7 +66,7 @@ def test_elsewhere_than_on_a_terminal_lines_are_plain_and_short(tmp_path: Path) 
     assert done.returncode == 0
     assert "\x1b" not in done.stdout + done.stderr
     assert max(map(len, done.stdout.splitlines())) <= 80
-    assert "[3/3] " in done.stderr
+    assert "[4/4] " in done.stderr
 
 
 def test_quiet_is_silent(tmp_path: Path) -> None:

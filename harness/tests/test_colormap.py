@@ -84,3 +84,13 @@ def test_full_similarity_is_black() -> None:
     full = np.array([[[1.0] * 3, [1 - 1e-12] * 3, [-0.5] * 3]])
     picture = colormap.similarity_picture(full)[0].tolist()
     assert picture == [list(colormap.NOTHING), list(colormap.NOTHING), list(colormap.STOPS[-1])]
+
+
+def test_classes_are_read_back_from_their_picture() -> None:
+    """To the last pixel; a picture of something else is refused."""
+    classes = np.arange(12, dtype=np.uint8).reshape(3, 4) % len(colormap.CLASS_COLORS)
+    picture = colormap.class_picture(classes)
+    assert np.array_equal(colormap.classes_of_picture(picture), classes)
+    picture[1, 2] += 1
+    with pytest.raises(ValueError, match="no class"):
+        colormap.classes_of_picture(picture)

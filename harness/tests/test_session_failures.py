@@ -100,7 +100,7 @@ def test_a_pixel_that_is_not_a_number_is_counted_and_never_reaches_the_json(
     scene: Scene, tmp_path: Path
 ) -> None:
     """It is beyond every threshold, and the numbers that it spoils are null."""
-    report = run([scene], tmp_path / "out", _options(PLAIN, "fake_lanes:Undefined"))
+    report = run([scene], tmp_path / "out", _options("fake_lanes:Gradient", "fake_lanes:Undefined"))
     assert _entry(report, "fake_lanes:Undefined")["nonfinite"] == 1
     (pair,) = report["scenes"][0]["pairs"]
     assert (pair["max"], pair["rmse"], pair["ssim"]) == (None, None, None)

@@ -190,10 +190,20 @@ static PyMethodDef methods[] = {
      "perturb(scene tuple, settings, pixels, samples, error, seed, outputs, progress); see _core.pyi"},
     {NULL, NULL, 0, NULL}};
 
+/* Part of an image's provenance. */
+#if defined(__clang__)
+#define COMPILER "clang " __clang_version__
+#elif defined(__GNUC__)
+#define COMPILER "gcc " __VERSION__
+#else
+#define COMPILER "unknown"
+#endif
+
 static int module_exec(PyObject *module) {
   module_state *state = PyModule_GetState(module);
   state->block_type = PyType_FromSpec(&block_spec);
   if (!state->block_type) return -1;
+  if (PyModule_AddStringConstant(module, "compiler", COMPILER) < 0) return -1;
   return PyModule_AddStringConstant(module, "version", ct_version());
 }
 

@@ -77,7 +77,8 @@ static int sphere_outcomes(const WORLD *world, const RAY *ray, const double *g, 
     add_root(out, &n, i_add(b, b), t_min, 1);
     return n;
   }
-  IV c = i_sub(i3_square(f), r2);
+  IV f2 = i3_square(f), c = i_sub(f2, r2);
+  if (world->kappa > 0) c = i_widen(c, error_of(world, b_add(r2.hi, f2.hi)));
   if (i_is_negative(b) && i_is_positive(c)) return 0; /* outside and moving away */
   IV l2 = i3_square(i3_along(f, b, ray->direction)), disc = i_sub(r2, l2);
   if (world->kappa > 0) disc = i_widen(disc, error_of(world, b_add(r2.hi, l2.hi)));

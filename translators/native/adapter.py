@@ -37,12 +37,24 @@ PRECISIONS = {
     "f128": "float128, 2^-113",
 }
 
+#: Half the distance from 1 to the next number: the relative error of one operation.
+UNITS = {"f32": 2.0**-24, "f64": 2.0**-53, "f64c": 2.0**-53, "f80": 2.0**-64, "dd": 2.0**-104,
+         "f128": 2.0**-113}  # fmt: skip
+
+
+def present() -> list[str]:
+    """Return the precisions of this platform, narrowest first."""
+    return _core.precisions()
+
 
 def check_precision(precision: str) -> None:
     """Raise UsageError for a precision that this platform does not have."""
     if precision not in (present := _core.precisions()):
         raise UsageError(f"precision: expected one of {', '.join(present)}, found {precision!r}")
 
+
+#: What the native library was compiled with.
+COMPILER = _core.compiler
 
 #: Of the default precision.
 ARITHMETIC = Arithmetic(unit=2.0**-53, kappa=4.0, color_unit=2.0**-53)

@@ -13,7 +13,7 @@ that no double rung can be asked to make.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -101,25 +101,17 @@ class Stability:
     epsilons: dict[str, tuple[EpsilonChange, ...]]
 
 
-def measure(
-    scene: Scene, *, threads: int = 0, progress: Callable[[float], None] | None = None
-) -> Stability:
+def measure(scene: Scene, *, threads: int = 0) -> Stability:
     """Measure a scene in every rung; float128 takes some 70 times as long as double.
 
     Raises RendererError where the ray budget is used up.
     """
-    tell = progress or (lambda share: None)
-    known, truth, rungs = _ladder(scene, _core.precisions(), threads, lambda x: tell(0.7 * x))
-    digits = {}
-    for name in DIGITS:
-        if name in _core.precisions():
-            digits[name] = digits_lost(scene, name)
-    tell(0.8)
+    known, truth, rungs = _ladder(scene, _core.precisions(), threads)
+    digits = {name: digits_lost(scene, name) for name in DIGITS if name in _core.precisions()}
     epsilons = {
         name: tuple(_at_epsilon(scene, name, text, truth.image, threads) for text in EPSILONS)
         for name in EPSILON_RUNGS
     }
-    tell(1.0)
     return Stability(known, rungs, _reasons(known), digits, epsilons)
 
 
@@ -131,7 +123,7 @@ def compare_rungs(
     Raises UsageError for a precision that this platform lacks.
     """
     wanted = _core.precisions() if precisions is None else list(precisions)
-    known, _, rungs = _ladder(scene, wanted, threads, lambda share: None)
+    known, _, rungs = _ladder(scene, wanted, threads)
     return known, rungs
 
 
@@ -171,19 +163,16 @@ def quantiles(values: Array) -> dict[str, float | None]:
 
 
 def _ladder(
-    scene: Scene, precisions: Sequence[str], threads: int, tell: Callable[[float], None]
+    scene: Scene, precisions: Sequence[str], threads: int
 ) -> tuple[Enclosures, Rendering, tuple[Rung, ...]]:
     known = certify(scene, threads=threads)
-    tell(0.1)
     widest = _core.precisions()[-1]
     truth = _render(scene, widest, threads)
-    tell(0.9)
     rungs = [
         _rung(name, _render(scene, name, threads), truth, known)
         for name in precisions
         if name != widest
     ]
-    tell(1.0)
     return known, truth, (*rungs, _rung(widest, truth, truth, known))
 
 

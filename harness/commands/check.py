@@ -1,0 +1,113 @@
+"""`crosstrace check`: the regression suite."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from crosstrace.harness import console
+from crosstrace.harness.commands import options
+
+
+@click.command("check")
+@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
+@options.reference
+@click.option("-o", "--output", metavar="DIR", type=click.Path(path_type=Path),
+              help="Keep the report of this run, and check.json.")  # fmt: skip
+@click.option("--junit", metavar="FILE", type=click.Path(path_type=Path),
+              help="Write the outcome as JUnit XML.")  # fmt: skip
+@options.renderers
+@options.scene_options
+@options.threads
+@options.timeout
+@options.jobs
+@options.as_json
+@options.quiet
+def command(
+    scenes: tuple[str, ...],
+    reference: Path | None,
+    output: Path | None,
+    junit: Path | None,
+    renderers: str | None,
+    size: tuple[int, int] | None,
+    delivery: int | None,
+    threads: int,
+    timeout: float,
+    jobs: int | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Render scenes again and hold them against their goldens, class by class and pixel by pixel.
+
+    Without a SCENE it takes all packaged ones, or those in the folder of --reference. A scene
+    without a golden fails, and its golden is made. The exit status is 1 where something changed
+    that rounding does not explain, 3 where a renderer is missing or failed.
+    """
+    from crosstrace.harness import regression
+    from crosstrace.harness.goldens import located
+    from crosstrace.harness.lanes import chosen
+    from crosstrace.harness.publish import PAGE_NAME
+    from crosstrace.harness.session import RunOptions
+
+    lanes = chosen(renderers)
+    if junit is not None:
+        options.check_target(junit)
+    sources = options.suite(scenes, reference, delivery, size)
+    how = RunOptions(lanes, jobs or 0, threads, timeout)
+    with console.progress(quiet, f"scenes: {len(sources)}, renderers: {', '.join(lanes)}") as bar:
+        checked = regression.check(
+            sources, located(reference), how, out=output, events=console.observer(bar)
+        )
+    _write(checked, output, junit)
+    if as_json:
+        console.json_result(checked)
+    else:
+        _print(checked, quiet)
+        if output is not None and not quiet:
+            console.result(f"\nreport: {output / PAGE_NAME}")
+    return regression.exit_status(checked)
+
+
+def _write(checked: dict[str, Any], output: Path | None, junit: Path | None) -> None:
+    from crosstrace.harness import images, record
+    from crosstrace.harness.junit import document
+
+    files = {}
+    if output is not None:
+        files[output / "check.json"] = record.dumps(checked).encode()
+    if junit is not None:
+        files[junit] = document(checked)
+    for path, content in files.items():
+        images.write_atomically(path, partial(_save, content=content))
+
+
+def _save(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+
+
+def _print(checked: dict[str, Any], quiet: bool) -> None:
+    from crosstrace.harness.regression import told
+
+    scenes = checked["scenes"]
+    for scene in scenes:
+        noted = [change for change in scene["changes"] if not change["fails"]]
+        if scene["status"] == "pass" and (quiet or not noted):
+            continue
+        console.result(f"{scene['name']}: {scene['status']}")
+        for change in scene["changes"]:
+            if change["fails"] or not quiet:
+                lane = f"{change['lane']}: " if change["lane"] else ""
+                note = "" if change["fails"] else "note: "
+                console.result(f"  {note}{lane}{change['text']}")
+        if scene["absent"]:
+            console.result(f"  {told(scene['absent'])}")
+        if scene["status"] == "fail":
+            console.result(f"  {scene['verdict']}. {scene['sentence']}")
+    counts = ((word, sum(s["status"] == word for s in scenes)) for word in ("pass", "fail"))
+    said = [f"{count} {word}" for word, count in counts]
+    if incomplete := sum(s["status"] == "incomplete" for s in scenes):
+        said.append(f"{incomplete} incomplete")
+    console.result(f"{len(scenes)} scenes: {', '.join(said)}")
