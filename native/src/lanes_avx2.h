@@ -86,6 +86,9 @@ static inline IDS i_blend(MASK m, IDS a, IDS b) {
   return I_CAST(L_OP(blendv)(L_CAST(b), L_CAST(a), m));
 }
 static inline MASK i_equal(IDS a, IDS b) { return L_CAST(I_EQUAL(a, b)); }
+static inline IDS i_load(const LANE_ID *p) {
+  return _mm256_loadu_si256((const __m256i *)(const void *)p);
+}
 static inline void i_store(LANE_ID *p, IDS a) { _mm256_storeu_si256((__m256i *)(void *)p, a); }
 
 static inline MASK l_signs_differ(LANES a, LANES b) {

@@ -78,6 +78,7 @@ static inline LANES l_unpack(MASK m, LANES a) { return L_OP(maskz_expand)(m, a);
 static inline IDS i_all(LANE_ID x) { return I_OP(set1)(x); }
 static inline IDS i_blend(MASK m, IDS a, IDS b) { return I_OP(mask_blend)(m, b, a); }
 static inline MASK i_equal(IDS a, IDS b) { return I_COMPARE(a, b); }
+static inline IDS i_load(const LANE_ID *p) { return _mm512_loadu_si512(p); }
 static inline void i_store(LANE_ID *p, IDS a) { _mm512_storeu_si512(p, a); }
 
 #undef L_OP

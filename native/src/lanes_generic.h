@@ -139,6 +139,11 @@ static inline IDS i_all(LANE_ID x) {
 }
 static inline IDS i_blend(MASK m, IDS a, IDS b) { return (m & a) | (~m & b); }
 static inline MASK i_equal(IDS a, IDS b) { return (MASK)(a == b); }
+static inline IDS i_load(const LANE_ID *p) {
+  IDS a;
+  memcpy(&a, p, sizeof a);
+  return a;
+}
 static inline void i_store(LANE_ID *p, IDS a) { memcpy(p, &a, sizeof a); }
 
 #endif

@@ -15,6 +15,12 @@ static inline VECS vs_along(VECS a, LANES s, VECS b) { return vs_add(a, vs_scale
 static inline LANES vs_dot(VECS a, VECS b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
 static inline LANES vs_length(VECS a) { return l_root(vs_dot(a, a)); }
 
+static inline VECS vs_lesser(VECS a, VECS b) {
+  return (VECS){l_lesser(a.x, b.x), l_lesser(a.y, b.y), l_lesser(a.z, b.z)};
+}
+static inline VECS vs_greater(VECS a, VECS b) {
+  return (VECS){l_greater(a.x, b.x), l_greater(a.y, b.y), l_greater(a.z, b.z)};
+}
 static inline VECS vs_blend(MASK m, VECS a, VECS b) {
   return (VECS){l_blend(m, a.x, b.x), l_blend(m, a.y, b.y), l_blend(m, a.z, b.z)};
 }

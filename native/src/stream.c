@@ -17,7 +17,7 @@ extern const ct_stream ct_stream_f32_avx512, ct_stream_f64_avx512;
 /* Readings whose every value the stream's text knows; of the others it knows the default. */
 static int is_known(int choice) {
   return choice == CT_EPSILON_TWICE || choice == CT_DEPTH || choice == CT_EXHAUSTED ||
-         choice == CT_MISS || choice == CT_SIDE;
+         choice == CT_MISS || choice == CT_SIDE || choice == CT_INDEX;
 }
 
 static int serves(const ct_options *options) {

@@ -24,8 +24,8 @@ typedef struct ct_stream {
 
 /* The widest stream that there is for this precision, these options and this processor; NULL where
  * there is none and the kernel traces pixel by pixel. A stream knows the default readings, those
- * that are numbers, and depth, epsilon_twice, exhausted, miss and refraction; rounding to nearest
- * alone. */
+ * that are numbers, and depth, epsilon_twice, exhausted, index, miss and refraction; rounding to
+ * nearest alone. */
 const ct_stream *ct_stream_for(const ct_options *options);
 
 #endif

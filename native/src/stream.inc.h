@@ -15,6 +15,7 @@
 #include "stream_world.inc.h"
 #include "stream_store.inc.h"
 #include "stream_hit.inc.h"
+#include "stream_cull.inc.h"
 #include "stream_trace.inc.h"
 
 /* The way of the ray through the centre of each pixel (specification 2.3), not of length 1. */

@@ -74,44 +74,51 @@ typedef struct FN(hits) {
 } FN(hits);
 #define HITS FN(hits)
 
-static inline HITS nearest_of(const STAGE *stage, VECS origin, VECS direction, int primary,
-                              MASK wanted) {
+/* Among the objects whose bits are set in `may`. */
+static inline HITS nearest_of(const STAGE *stage, const uint64_t *may, VECS origin,
+                              VECS direction, int primary, MASK wanted) {
   HITS hits = {l_all((REAL)NAN), i_all(-1)};
   LANES zero = l_all(0);
-  for (size_t i = 0; i < stage->n_objects; i++) {
-    ROOTS roots = roots_of(stage, stage->shape + i, origin, direction, primary, zero, wanted);
-    /* A tie stays with the first in the file. */
-    MASK nearer = m_and(roots.valid, l_not_at_least(roots.t, hits.t));
-    hits.t = l_blend(nearer, roots.t, hits.t);
-    hits.object = i_blend(nearer, i_all((LANE_ID)i), hits.object);
-  }
+  for (size_t word = 0; word < stage->n_words; word++)
+    for (uint64_t left = may[word]; left; left &= left - 1) {
+      size_t i = 64 * word + (unsigned)__builtin_ctzll(left);
+      ROOTS roots = roots_of(stage, stage->shape + i, origin, direction, primary, zero, wanted);
+      /* A tie stays with the first in the file. */
+      MASK nearer = m_and(roots.valid, l_not_at_least(roots.t, hits.t));
+      hits.t = l_blend(nearer, roots.t, hits.t);
+      hits.object = i_blend(nearer, i_all((LANE_ID)i), hits.object);
+    }
   return hits;
 }
 
 /* blocks_own_light */
 static inline MASK blocking_own_light(const STAGE *stage, const SHAPE *s, VECS origin,
-                                      VECS direction, LANES limit) {
+                                      VECS direction, LANES reach, LANES limit) {
   if (s->is_plane) return m_none();
-  LANES b = -vs_dot(vs_sub(origin, vs_all(s->at)), direction), other = l_all(2) * b - limit;
+  LANES b = -vs_dot(vs_sub(origin, vs_all(s->at)), direction), other = l_all(2) * b - reach;
   return m_and(l_less(l_all(stage->world->shadow_min), other), l_less(other, limit));
 }
 
-/* The lanes of `wanted` in which an object stands before lamp j, nearer than limit. */
-static inline MASK blocked_of(const STAGE *stage, size_t j, VECS origin, VECS direction,
-                              LANES limit, MASK wanted) {
+/* The lanes of `wanted` in which an object of `may` stands nearer than `limit` on the way to lamp
+ * j, which is at `reach`. */
+static inline MASK blocked_of(const STAGE *stage, const uint64_t *may, size_t j, VECS origin,
+                              VECS direction, LANES reach, LANES limit, MASK wanted) {
   MASK blocked = m_none();
   LANES t_min = l_all(stage->world->shadow_min);
-  for (size_t i = 0; i < stage->n_objects && m_any(wanted); i++) {
-    const SHAPE *s = stage->shape + i;
-    MASK here;
-    if (stage->lamp[j].is_on_a_surface && ct_light_is_on(stage->world->frame, j, i)) {
-      here = m_and(wanted, blocking_own_light(stage, s, origin, direction, limit));
-    } else {
-      ROOTS roots = roots_of(stage, s, origin, direction, 0, t_min, wanted);
-      here = m_and(roots.valid, l_less(roots.t, limit));
+  for (size_t word = 0; word < stage->n_words; word++)
+    for (uint64_t left = may[word]; left; left &= left - 1) {
+      size_t i = 64 * word + (unsigned)__builtin_ctzll(left);
+      const SHAPE *s = stage->shape + i;
+      MASK here;
+      if (stage->lamp[j].is_on_a_surface && ct_light_is_on(stage->world->frame, j, i)) {
+        here = m_and(wanted, blocking_own_light(stage, s, origin, direction, reach, limit));
+      } else {
+        ROOTS roots = roots_of(stage, s, origin, direction, 0, t_min, wanted);
+        here = m_and(roots.valid, l_less(roots.t, limit));
+      }
+      blocked = m_or(blocked, here);
+      wanted = m_but(wanted, here);
+      if (!m_any(wanted)) return blocked;
     }
-    blocked = m_or(blocked, here);
-    wanted = m_but(wanted, here);
-  }
   return blocked;
 }

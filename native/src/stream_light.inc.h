@@ -44,13 +44,15 @@ static inline LANES power_of_lanes(const SURFACE *s, MASK wanted, LANES x) {
 static inline MASK shadowed(STORE *store, size_t j, const HERE *here, VECS to_light,
                             LANES distance, MASK wanted) {
   const STAGE *stage = store->stage;
-  LANES epsilon = l_all(stage->world->epsilon), limit = distance - epsilon;
+  LANES epsilon = l_all(stage->world->epsilon), reach = distance - epsilon;
+  LANES limit = reach - l_all(stage->world->light_min);
   wanted = m_and(wanted, l_less(l_all(0), limit)); /* else a light within epsilon of the hit */
   unsigned sent = m_bits(wanted);
   if (!sent) return wanted;
   count_shadow_rays(store, here, sent);
   VECS origin = vs_along(here->point, epsilon, to_light);
-  return blocked_of(stage, j, origin, to_light, limit, wanted);
+  const uint64_t *may = blockers_of(stage, here->sight, j);
+  return blocked_of(stage, may, j, origin, to_light, reach, limit, wanted);
 }
 
 /* add_lights */

@@ -7,6 +7,9 @@ enum { BUNDLE_RAYS = 128 };
 /* Rays deeper than this go on one by one in the scalar kernel. */
 enum { STREAM_LEVELS = 64 };
 
+/* With more lamps than this, no object is left out on the way to any. */
+enum { CULLED_LAMPS = 32 };
+
 typedef struct FN(bundle) {
   size_t n;
   /* Directions of any length; origins at the hit that the rays leave. */
@@ -104,7 +107,8 @@ static void *FN(enter)(const void *opaque, const ct_outputs *out) {
   size_t columns = 9 + 1 + 1, room = rounded_up(BUNDLE_RAYS);
   size_t branch = (columns + 2) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t first = (CT_CONTRIBUTIONS * 3 + 6) * (room * sizeof(uint64_t) + STORE_LINE);
-  store->size = (2 * n_levels + 1) * branch + first + STORE_LINE;
+  size_t sight = (1 + CULLED_LAMPS) * stage->n_words * sizeof(uint64_t) + STORE_LINE;
+  store->size = (2 * n_levels + 1) * branch + (n_levels + 1) * sight + first + STORE_LINE;
   store->block = malloc(store->size);
   if (!store->block) {
     free(store);

@@ -5,6 +5,14 @@
  * + kt * refracted.
  */
 
+/* What a bundle can meet. */
+typedef struct FN(sight) {
+  uint64_t *may;  /* bits of objects: that may be hit; then, for each lamp, be in the way */
+  uint64_t known; /* lamps that have been asked for */
+  BOX points;     /* around the hits */
+} FN(sight);
+#define SIGHT FN(sight)
+
 /* One vector of rays and what comes of it. */
 typedef struct FN(here) {
   VECS direction, point;
@@ -12,6 +20,7 @@ typedef struct FN(here) {
   VECS color, mirrored, refracted;
   LANES kr, kt;
   unsigned total; /* lanes of total reflection */
+  SIGHT *sight;
   uint64_t *tree; /* of the vector's lanes; NULL: nobody asks */
   uint32_t *rays;
 } FN(here);
@@ -35,6 +44,20 @@ static void count_shadow_rays(STORE *store, const HERE *here, unsigned lanes) {
 
 static int is_stopped(const STORE *store) {
   return atomic_load_explicit(&store->pixel->shared->stop, memory_order_relaxed) != CT_OK;
+}
+
+/* Objects that may stand between the bundle's hits and lamp j. */
+static const uint64_t *blockers_of(const STAGE *stage, SIGHT *sight, size_t j) {
+  size_t k = stage->n_lamps <= CULLED_LAMPS ? j : 0;
+  uint64_t *may = sight->may + (k + 1) * stage->n_words;
+  if (sight->known >> k & 1) return may;
+  sight->known |= UINT64_C(1) << k;
+  BOUND bound;
+  if (stage->n_lamps <= CULLED_LAMPS && bound_feelers(&sight->points, stage->lamp[j].at, &bound))
+    cull(stage, &bound, may);
+  else
+    cull_nothing(stage, may);
+  return may;
 }
 
 #include "stream_light.inc.h"
@@ -197,6 +220,8 @@ static void trace_bundle(STORE *store, const BUNDLE *bundle, int64_t depth) {
   store->pixel->n_unreported += (uint32_t)bundle->n;
   if (store->pixel->n_unreported >= 4096) ct_pixel_report(store->pixel);
   size_t mark = store->used;
+  REAL ts[BUNDLE_RAYS + N_LANES];
+  LANE_ID ids[BUNDLE_RAYS + N_LANES];
   int sends = stage->has_scatter && depth < world->frame->max_depth;
   BRANCH mirrored = {.weight = NULL}, refracted = {.weight = NULL};
   if (sends) {
@@ -204,17 +229,50 @@ static void trace_bundle(STORE *store, const BUNDLE *bundle, int64_t depth) {
     refracted = take_branch(store, bundle->n);
   }
   VECS missed = vs_all(is_first ? stage->background : stage->missed), zero = vs_all(v_zero());
+  SIGHT sight = {.may = take(store, (1 + CULLED_LAMPS) * stage->n_words, sizeof *sight.may),
+                 .known = 0, .points = box_of_nothing()};
+  BOX origins = box_of_nothing(), directions = box_of_nothing();
   for (size_t at = 0; at < bundle->n; at += N_LANES) {
-    if (is_stopped(store)) return;
     MASK live = m_first(bundle->n - at);
     VECS origin = vs_load(&bundle->origin, at), direction = vs_load(&bundle->direction, at);
     /* Of length 1, as rounding would grow from bounce to bounce inside glass. */
     direction = vs_over(direction, vs_length(direction));
     if (!is_first) origin = vs_along(origin, l_all(world->epsilon), direction);
-    HITS hits = nearest_of(stage, origin, direction, is_first, live);
-    HERE here = {.direction = direction, .point = vs_along(origin, hits.t, direction),
-                 .color = missed, .mirrored = zero, .refracted = zero, .kr = l_all(0),
-                 .kt = l_all(0)};
+    vs_store(&bundle->direction, at, direction);
+    vs_store(&bundle->origin, at, origin);
+    box_take(&origins, live, origin);
+    box_take(&directions, live, direction);
+  }
+  BOUND bound;
+  if (bound_rays(&origins, &directions, &bound))
+    cull(stage, &bound, sight.may);
+  else
+    cull_nothing(stage, sight.may);
+  for (size_t at = 0; at < bundle->n; at += N_LANES) {
+    if (is_stopped(store)) return;
+    MASK live = m_first(bundle->n - at);
+    VECS origin = vs_load(&bundle->origin, at), direction = vs_load(&bundle->direction, at);
+    HITS hits = nearest_of(stage, sight.may, origin, direction, is_first, live);
+    VECS point = vs_along(origin, hits.t, direction);
+    box_take(&sight.points, m_and(live, l_is_number(hits.t)), point);
+    vs_store(&bundle->origin, at, point);
+    l_store(ts + at, hits.t);
+    i_store(ids + at, hits.object);
+  }
+  for (size_t at = 0; at < bundle->n; at += N_LANES) {
+    if (is_stopped(store)) return;
+    MASK live = m_first(bundle->n - at);
+    HITS hits = {l_load(ts + at), i_load(ids + at)};
+    HERE here; /* an initialiser would clear all of it, every time */
+    here.direction = vs_load(&bundle->direction, at);
+    here.point = vs_load(&bundle->origin, at);
+    here.color = missed;
+    here.mirrored = here.refracted = zero;
+    here.kr = here.kt = l_all(0);
+    here.total = 0;
+    here.sight = &sight;
+    here.tree = NULL;
+    here.rays = NULL;
     unsigned left = m_bits(m_and(live, l_is_number(hits.t)));
     unsigned sky = m_bits(live) & ~left;
     if (bundle->rays) {
@@ -226,8 +284,6 @@ static void trace_bundle(STORE *store, const BUNDLE *bundle, int64_t depth) {
       memset(here.tree, 0, N_LANES * sizeof *here.tree);
       note_decision(&here, sky, 1);
     }
-    LANE_ID object[N_LANES];
-    i_store(object, hits.object);
     if (is_first && store->wants_hit) {
       i_store(store->first.object + at, hits.object);
       l_store(store->first.t + at, hits.t);
@@ -238,7 +294,7 @@ static void trace_bundle(STORE *store, const BUNDLE *bundle, int64_t depth) {
       vs_store(&store->first.split[0], at, missed);
     }
     while (left) {
-      LANE_ID i = object[__builtin_ctz(left)];
+      LANE_ID i = ids[at + (unsigned)__builtin_ctz(left)];
       MASK hit = m_and(m_from_bits(left), i_equal(hits.object, i_all(i)));
       left &= ~m_bits(hit);
       if (here.tree) note_decision(&here, m_bits(hit), (uint64_t)(i + 2));

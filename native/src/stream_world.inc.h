@@ -31,9 +31,12 @@ typedef struct FN(stage) {
   SHAPE *shape;     /* of every object */
   SURFACE *surface; /* of every object */
   LAMP *lamp;
+  COLUMNS center; /* of every sphere, side by side */
+  REAL *radius;   /* of every sphere, infinite for a plane */
   VEC background, missed; /* by a primary ray, by any other */
   VEC exhausted;
   size_t n_objects, n_lamps;
+  size_t n_words; /* of a bit for every object */
   int has_lights, has_scatter;
 } FN(stage);
 #define STAGE FN(stage)
@@ -78,6 +81,25 @@ static void read_shape(const WORLD *world, size_t i, SHAPE *s) {
   s->normal = s->is_plane ? world->plane_normal[world->frame->plane_slot[i]] : v_zero();
 }
 
+/* Makes room for the spheres' columns, in whole vectors. */
+static int open_columns(STAGE *stage) {
+  size_t room = stage->n_objects + N_LANES;
+  REAL *columns = calloc(4 * room, sizeof *columns);
+  if (!columns) return 0;
+  stage->center = (COLUMNS){columns, columns + room, columns + 2 * room};
+  stage->radius = columns + 3 * room;
+  return 1;
+}
+
+static void read_columns(STAGE *stage, size_t i) {
+  const SHAPE *s = stage->shape + i;
+  stage->center.x[i] = s->at.x;
+  stage->center.y[i] = s->at.y;
+  stage->center.z[i] = s->at.z;
+  double radius = stage->world->view->geometry[i * CT_GEOMETRY_COLUMNS + 3];
+  stage->radius[i] = from_double(s->is_plane ? (double)INFINITY : radius);
+}
+
 static void read_lamp(const WORLD *world, size_t j, LAMP *lamp) {
   const double *light = world->view->lights + j * CT_LIGHT_COLUMNS;
   lamp->at = v_load(light + 3);
@@ -94,6 +116,7 @@ static void FN(close_stage)(void *opaque) {
   free(stage->shape);
   free(stage->surface);
   free(stage->lamp);
+  free(stage->center.x);
   free(stage);
 }
 
@@ -106,10 +129,13 @@ static ct_status FN(open_stage)(const ct_frame *frame, void **out) {
   stage->world = world;
   stage->n_objects = view->n_objects;
   stage->n_lamps = view->n_lights;
+  stage->n_words = (view->n_objects + 63) / 64;
   stage->shape = malloc((view->n_objects + 1) * sizeof *stage->shape);
   stage->surface = malloc((view->n_objects + 1) * sizeof *stage->surface);
   stage->lamp = malloc((view->n_lights + 1) * sizeof *stage->lamp);
-  if (!status && (!stage->shape || !stage->surface || !stage->lamp)) status = CT_ERR_MEMORY;
+  int has_columns = open_columns(stage);
+  if (!status && (!stage->shape || !stage->surface || !stage->lamp || !has_columns))
+    status = CT_ERR_MEMORY;
   if (status) {
     FN(close_stage)(stage);
     return status;
@@ -117,6 +143,7 @@ static ct_status FN(open_stage)(const ct_frame *frame, void **out) {
   for (size_t i = 0; i < view->n_objects; i++) {
     read_shape(world, i, stage->shape + i);
     read_surface(world, i, stage->surface + i);
+    read_columns(stage, i);
   }
   for (size_t j = 0; j < view->n_lights; j++) read_lamp(world, j, stage->lamp + j);
   stage->has_lights = view->delivery > 1;
