@@ -74,6 +74,12 @@ static inline MASK l_nonzero(LANES a) { return L_OP(cmp)(a, L_ZERO, _CMP_NEQ_OQ)
 
 static inline LANES l_blend(MASK m, LANES a, LANES b) { return L_OP(blendv)(b, a, m); }
 static inline LANES l_where(MASK m, LANES a) { return L_OP(and)(m, a); }
+static inline LANES l_lesser_where(MASK m, LANES a, LANES b) {
+  return l_blend(m, l_lesser(a, b), b);
+}
+static inline LANES l_greater_where(MASK m, LANES a, LANES b) {
+  return l_blend(m, l_greater(a, b), b);
+}
 static inline LANES l_add_where(MASK m, LANES a, LANES b) { return a + L_OP(and)(m, b); }
 static inline LANES l_negate_where(MASK m, LANES a) {
   return L_OP(xor)(a, L_OP(and)(m, l_all((LANE)-0.0)));

@@ -66,6 +66,10 @@ static inline MASK l_signs_differ(LANES a, LANES b) { return L_SIGNS(L_OP(xor)(a
 static inline LANES l_blend(MASK m, LANES a, LANES b) { return L_OP(mask_blend)(m, b, a); }
 static inline LANES l_where(MASK m, LANES a) { return L_OP(maskz_mov)(m, a); }
 static inline LANES l_add_where(MASK m, LANES a, LANES b) { return L_OP(mask_add)(a, m, a, b); }
+static inline LANES l_lesser_where(MASK m, LANES a, LANES b) { return L_OP(mask_min)(b, m, a, b); }
+static inline LANES l_greater_where(MASK m, LANES a, LANES b) {
+  return L_OP(mask_max)(b, m, a, b);
+}
 static inline LANES l_negate_where(MASK m, LANES a) {
   return L_OP(mask_xor)(a, m, a, L_OP(set1)((LANE)-0.0));
 }

@@ -109,6 +109,14 @@ static inline MASK l_signs_differ(LANES a, LANES b) {
 static inline LANES l_lesser(LANES a, LANES b) { return l_blend(l_less(a, b), a, b); }
 static inline LANES l_greater(LANES a, LANES b) { return l_blend(l_less(b, a), a, b); }
 
+/* m ? the lesser (greater) of both : b */
+static inline LANES l_lesser_where(MASK m, LANES a, LANES b) {
+  return l_blend(m, l_lesser(a, b), b);
+}
+static inline LANES l_greater_where(MASK m, LANES a, LANES b) {
+  return l_blend(m, l_greater(a, b), b);
+}
+
 /* m ? a + b : a, for an a that is not -0 */
 static inline LANES l_add_where(MASK m, LANES a, LANES b) { return a + l_where(m, b); }
 /* m ? -a : a */

@@ -8,6 +8,7 @@ typedef struct FN(vecs) {
 static inline VECS vs_all(VEC a) { return (VECS){l_all(a.x), l_all(a.y), l_all(a.z)}; }
 static inline VECS vs_add(VECS a, VECS b) { return (VECS){a.x + b.x, a.y + b.y, a.z + b.z}; }
 static inline VECS vs_sub(VECS a, VECS b) { return (VECS){a.x - b.x, a.y - b.y, a.z - b.z}; }
+static inline VECS vs_mul(VECS a, VECS b) { return (VECS){a.x * b.x, a.y * b.y, a.z * b.z}; }
 static inline VECS vs_neg(VECS a) { return (VECS){-a.x, -a.y, -a.z}; }
 static inline VECS vs_scale(LANES s, VECS a) { return (VECS){s * a.x, s * a.y, s * a.z}; }
 static inline VECS vs_over(VECS a, LANES s) { return (VECS){a.x / s, a.y / s, a.z / s}; }
@@ -15,11 +16,13 @@ static inline VECS vs_along(VECS a, LANES s, VECS b) { return vs_add(a, vs_scale
 static inline LANES vs_dot(VECS a, VECS b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
 static inline LANES vs_length(VECS a) { return l_root(vs_dot(a, a)); }
 
-static inline VECS vs_lesser(VECS a, VECS b) {
-  return (VECS){l_lesser(a.x, b.x), l_lesser(a.y, b.y), l_lesser(a.z, b.z)};
+static inline VECS vs_lesser_where(MASK m, VECS a, VECS b) {
+  return (VECS){l_lesser_where(m, a.x, b.x), l_lesser_where(m, a.y, b.y),
+                l_lesser_where(m, a.z, b.z)};
 }
-static inline VECS vs_greater(VECS a, VECS b) {
-  return (VECS){l_greater(a.x, b.x), l_greater(a.y, b.y), l_greater(a.z, b.z)};
+static inline VECS vs_greater_where(MASK m, VECS a, VECS b) {
+  return (VECS){l_greater_where(m, a.x, b.x), l_greater_where(m, a.y, b.y),
+                l_greater_where(m, a.z, b.z)};
 }
 static inline VECS vs_blend(MASK m, VECS a, VECS b) {
   return (VECS){l_blend(m, a.x, b.x), l_blend(m, a.y, b.y), l_blend(m, a.z, b.z)};

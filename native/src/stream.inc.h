@@ -10,6 +10,9 @@
 #include <string.h>
 
 #include "stream.h"
+
+#define INLINE static inline __attribute__((always_inline))
+
 #include CT_LANES
 #include "lanes_vector.inc.h"
 #include "stream_world.inc.h"
@@ -86,7 +89,7 @@ static void FN(tile)(const void *opaque, void *opaque_store, const ct_tile *tile
         store->first.split[k] = take_columns(store, rounded_up(BUNDLE_RAYS));
     }
     aim(stage->world, tile, top, bottom, &bundle);
-    trace_bundle(store, &bundle, 0);
+    trace_first(store, &bundle);
     if (is_stopped(store)) return;
     size_t k = 0;
     for (int64_t row = top; row < bottom; row++)

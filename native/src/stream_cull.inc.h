@@ -30,8 +30,8 @@ static inline BOX box_of_nothing(void) {
 }
 
 static inline void box_take(BOX *box, MASK m, VECS a) {
-  box->low = vs_blend(m, vs_lesser(a, box->low), box->low);
-  box->high = vs_blend(m, vs_greater(a, box->high), box->high);
+  box->low = vs_lesser_where(m, a, box->low);
+  box->high = vs_greater_where(m, a, box->high);
 }
 
 static REAL least_lane(LANES a) {
@@ -97,9 +97,22 @@ static void cull(const STAGE *stage, const BOUND *bound, uint64_t *may) {
   }
 }
 
-static void cull_nothing(const STAGE *stage, uint64_t *may) {
-  for (size_t i = 0; i < stage->n_objects; i += 64) {
-    size_t n = stage->n_objects - i;
-    may[i / 64] = n >= 64 ? ~UINT64_C(0) : (UINT64_C(1) << n) - 1;
-  }
+/* Writes a bit for every object that rays of those origins and directions may meet. */
+static void find_targets(const STAGE *stage, const BOX *origins, const BOX *directions,
+                         uint64_t *may) {
+  BOUND bound;
+  if (bound_rays(origins, directions, &bound))
+    cull(stage, &bound, may);
+  else
+    memcpy(may, stage->all, stage->n_words * sizeof *may);
+}
+
+/* Writes a bit for every object that may stand between those points and lamp j. */
+static void find_blockers(const STAGE *stage, const BOX *points, int culls, size_t j,
+                          uint64_t *may) {
+  BOUND bound;
+  if (culls && bound_feelers(points, stage->lamp[j].at, &bound))
+    cull(stage, &bound, may);
+  else
+    memcpy(may, stage->all, stage->n_words * sizeof *may);
 }

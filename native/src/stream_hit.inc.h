@@ -10,13 +10,13 @@ typedef struct FN(roots) {
 } FN(roots);
 #define ROOTS FN(roots)
 
-static inline ROOTS roots_beyond(MASK wanted, LANES near, LANES far, LANES t_min) {
+INLINE ROOTS roots_beyond(MASK wanted, LANES near, LANES far, LANES t_min) {
   LANES t = l_blend(l_less(t_min, near), near, far);
   return (ROOTS){t, m_and(wanted, l_less(t_min, t))};
 }
 
 /* sphere_nearest, where t_min is not below 0. */
-static inline ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction, int on_surface,
+INLINE ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction, int on_surface,
                                     LANES t_min, MASK wanted) {
   LANES zero = l_all(0);
   VECS f = vs_sub(origin, vs_all(s->at));
@@ -41,7 +41,7 @@ static inline ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction,
 }
 
 /* plane_nearest; the quotient is above 0 only where its signs agree. */
-static inline ROOTS plane_root_of(const SHAPE *s, VECS origin, VECS direction, LANES t_min,
+INLINE ROOTS plane_root_of(const SHAPE *s, VECS origin, VECS direction, LANES t_min,
                                   MASK wanted) {
   VECS normal = vs_all(s->normal);
   LANES slope = vs_dot(direction, normal), rise = vs_dot(vs_sub(vs_all(s->at), origin), normal);
@@ -53,7 +53,7 @@ static inline ROOTS plane_root_of(const SHAPE *s, VECS origin, VECS direction, L
 }
 
 /* object_nearest, within the reading `far`. */
-static inline ROOTS roots_of(const STAGE *stage, const SHAPE *s, VECS origin, VECS direction,
+INLINE ROOTS roots_of(const STAGE *stage, const SHAPE *s, VECS origin, VECS direction,
                              int primary, LANES t_min, MASK wanted) {
   int on_surface = primary && s->eye_on;
   ROOTS roots;
@@ -75,7 +75,7 @@ typedef struct FN(hits) {
 #define HITS FN(hits)
 
 /* Among the objects whose bits are set in `may`. */
-static inline HITS nearest_of(const STAGE *stage, const uint64_t *may, VECS origin,
+INLINE HITS nearest_of(const STAGE *stage, const uint64_t *may, VECS origin,
                               VECS direction, int primary, MASK wanted) {
   HITS hits = {l_all((REAL)NAN), i_all(-1)};
   LANES zero = l_all(0);
@@ -92,7 +92,7 @@ static inline HITS nearest_of(const STAGE *stage, const uint64_t *may, VECS orig
 }
 
 /* blocks_own_light */
-static inline MASK blocking_own_light(const STAGE *stage, const SHAPE *s, VECS origin,
+INLINE MASK blocking_own_light(const STAGE *stage, const SHAPE *s, VECS origin,
                                       VECS direction, LANES reach, LANES limit) {
   if (s->is_plane) return m_none();
   LANES b = -vs_dot(vs_sub(origin, vs_all(s->at)), direction), other = l_all(2) * b - reach;
@@ -101,7 +101,7 @@ static inline MASK blocking_own_light(const STAGE *stage, const SHAPE *s, VECS o
 
 /* The lanes of `wanted` in which an object of `may` stands nearer than `limit` on the way to lamp
  * j, which is at `reach`. */
-static inline MASK blocked_of(const STAGE *stage, const uint64_t *may, size_t j, VECS origin,
+INLINE MASK blocked_of(const STAGE *stage, const uint64_t *may, size_t j, VECS origin,
                               VECS direction, LANES reach, LANES limit, MASK wanted) {
   MASK blocked = m_none();
   LANES t_min = l_all(stage->world->shadow_min);

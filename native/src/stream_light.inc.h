@@ -41,29 +41,29 @@ static inline LANES power_of_lanes(const SURFACE *s, MASK wanted, LANES x) {
 /* ---- Lights ---- */
 
 /* is_shadowed */
-static inline MASK shadowed(STORE *store, size_t j, const HERE *here, VECS to_light,
-                            LANES distance, MASK wanted) {
+INLINE MASK shadowed(STORE *store, size_t j, const ROW *row, VECS point, VECS to_light,
+                     LANES distance, MASK wanted) {
   const STAGE *stage = store->stage;
   LANES epsilon = l_all(stage->world->epsilon), reach = distance - epsilon;
   LANES limit = reach - l_all(stage->world->light_min);
   wanted = m_and(wanted, l_less(l_all(0), limit)); /* else a light within epsilon of the hit */
   unsigned sent = m_bits(wanted);
   if (!sent) return wanted;
-  count_shadow_rays(store, here, sent);
-  VECS origin = vs_along(here->point, epsilon, to_light);
-  const uint64_t *may = blockers_of(stage, here->sight, j);
+  count_shadow_rays(store, row, sent);
+  VECS origin = vs_along(point, epsilon, to_light);
+  const uint64_t *may = blockers_of(stage, row->sight, j);
   return blocked_of(stage, may, j, origin, to_light, reach, limit, wanted);
 }
 
 /* add_lights */
-static inline void add_lights_of(STORE *store, const SURFACE *s, HERE *here, VECS wo, MASK hit) {
+INLINE void add_lights_of(STORE *store, const SURFACE *s, const ROW *row, VECS point, VECS n,
+                          VECS direction, MASK hit, VECS *diffuse, VECS *specular) {
   const STAGE *stage = store->stage;
   if (!s->is_diffuse && !s->is_specular) return;
   LANES zero = l_all(0);
-  VECS n = here->normal;
   for (size_t j = 0; j < stage->n_lamps; j++) {
     const LAMP *lamp = stage->lamp + j;
-    VECS way = vs_sub(vs_all(lamp->at), here->point);
+    VECS way = vs_sub(vs_all(lamp->at), point);
     LANES distance = vs_length(way);
     MASK active = m_and(hit, l_less(zero, distance));
     VECS l = vs_over(way, distance);
@@ -71,7 +71,8 @@ static inline void add_lights_of(STORE *store, const SURFACE *s, HERE *here, VEC
     MASK lit = m_none(), shiny = m_none();
     if (s->is_diffuse) lit = m_and(active, l_less(zero, cosine));
     if (s->is_specular) {
-      LANES x = vs_dot(vs_sub(vs_scale(l_all(2) * cosine, n), l), wo);
+      /* Of r.wo; but for the sign of a zero, which no comparison sees. */
+      LANES x = -vs_dot(vs_sub(vs_scale(l_all(2) * cosine, n), l), direction);
       shiny = m_and(active, l_less(zero, x));
       if (m_any(shiny)) {
         shine = power_of_lanes(s, shiny, x);
@@ -81,16 +82,14 @@ static inline void add_lights_of(STORE *store, const SURFACE *s, HERE *here, VEC
     MASK wanted = m_or(lit, shiny);
     if (!m_any(wanted)) continue;
     if (stage->world->effects & CT_SHADOWS) {
-      MASK dark = shadowed(store, j, here, l, distance, wanted);
-      unsigned bits = m_bits(dark);
-      if (bits) note_decision(here, bits, j + 1);
+      MASK dark = shadowed(store, j, row, point, l, distance, wanted);
+      note_decision(row, m_bits(dark), j + 1);
       lit = m_but(lit, dark);
       shiny = m_but(shiny, dark);
     }
-    VECS c = vs_all(lamp->color), diffuse = vs_scale(cosine, vs_all(s->diffuse));
-    diffuse = (VECS){diffuse.x * c.x, diffuse.y * c.y, diffuse.z * c.z};
-    here->diffuse = vs_add_where(lit, here->diffuse, diffuse);
+    VECS c = vs_all(lamp->color), light = vs_scale(cosine, vs_all(s->diffuse));
+    *diffuse = vs_add_where(lit, *diffuse, vs_mul(light, c));
     if (m_any(shiny))
-      here->specular = vs_add_where(shiny, here->specular, vs_scale(l_all(s->ks) * shine, c));
+      *specular = vs_add_where(shiny, *specular, vs_scale(l_all(s->ks) * shine, c));
   }
 }

@@ -2,7 +2,7 @@
  * in a store that is as deep as the stream recurses. */
 
 /* Rays in a bundle: enough for full lanes at depth, few enough for the processor's caches. */
-enum { BUNDLE_RAYS = 128 };
+enum { BUNDLE_RAYS = 256 };
 
 /* Rays deeper than this go on one by one in the scalar kernel. */
 enum { STREAM_LEVELS = 64 };
@@ -19,11 +19,18 @@ typedef struct FN(bundle) {
 } FN(bundle);
 #define BUNDLE FN(bundle)
 
-/* Rays that a bundle sends on, in the order of the rays that they come from. */
+/* Rays sent on together: the vector of the bundle that they come from, and the lanes in it. */
+typedef struct FN(parcel) {
+  uint16_t at, lanes;
+} FN(parcel);
+#define PARCEL FN(parcel)
+
+/* Rays that a bundle sends on, packed, parcel by parcel. */
 typedef struct FN(branch) {
   BUNDLE rays;
-  REAL *weight;   /* of every ray of the bundle that they come from */
-  uint16_t *sent; /* for every vector of that, the lanes that send one */
+  REAL *weight; /* of every ray in the sum that it goes back to */
+  PARCEL *parcel;
+  size_t n_parcels;
 } FN(branch);
 #define BRANCH FN(branch)
 
@@ -81,7 +88,8 @@ static BRANCH take_branch(STORE *store, size_t n) {
   BRANCH b;
   b.rays = take_bundle(store, n);
   b.weight = take(store, rounded_up(n), sizeof *b.weight);
-  b.sent = take(store, rounded_up(n) / N_LANES, sizeof *b.sent);
+  b.parcel = take(store, n, sizeof *b.parcel);
+  b.n_parcels = 0;
   return b;
 }
 

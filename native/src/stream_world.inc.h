@@ -16,7 +16,7 @@ typedef struct FN(surface) {
   REAL ratio[2]; /* of refraction: from outside, from inside */
   REAL nothing_below, least_above; /* powers that underflow: see stream_light.inc.h */
   double eta;
-  int is_diffuse, is_specular, is_clear, is_squared;
+  int is_diffuse, is_specular, is_squared, is_clear, has_kr, has_kt;
 } FN(surface);
 #define SURFACE FN(surface)
 
@@ -33,8 +33,10 @@ typedef struct FN(stage) {
   LAMP *lamp;
   COLUMNS center; /* of every sphere, side by side */
   REAL *radius;   /* of every sphere, infinite for a plane */
+  uint64_t *all;  /* a bit for every object */
   VEC background, missed; /* by a primary ray, by any other */
   VEC exhausted;
+  int ends_lit; /* exhausted is not black */
   size_t n_objects, n_lamps;
   size_t n_words; /* of a bit for every object */
   int has_lights, has_scatter;
@@ -64,6 +66,8 @@ static void read_surface(const WORLD *world, size_t i, SURFACE *s) {
   if (m[CT_KR] > 0 && (world->effects & CT_REFLECTION)) s->kr = from_double(m[CT_KR]);
   s->is_clear = m[CT_KT] > 0;
   if (s->is_clear && (world->effects & CT_REFRACTION)) s->kt = from_double(m[CT_KT]);
+  s->has_kr = less(zero, s->kr);
+  s->has_kt = less(zero, s->kt);
   for (int inside = 0; inside < 2; inside++) {
     const ct_medium *unused;
     INDEX index = seen_index(world, NULL, i, inside, NULL, &unused);
@@ -85,7 +89,15 @@ static void read_shape(const WORLD *world, size_t i, SHAPE *s) {
 static int open_columns(STAGE *stage) {
   size_t room = stage->n_objects + N_LANES;
   REAL *columns = calloc(4 * room, sizeof *columns);
-  if (!columns) return 0;
+  stage->all = malloc((stage->n_words + 1) * sizeof *stage->all);
+  if (!columns || !stage->all) {
+    free(columns);
+    return 0;
+  }
+  for (size_t i = 0; i < stage->n_objects; i += 64) {
+    size_t n = stage->n_objects - i;
+    stage->all[i / 64] = n >= 64 ? ~UINT64_C(0) : (UINT64_C(1) << n) - 1;
+  }
   stage->center = (COLUMNS){columns, columns + room, columns + 2 * room};
   stage->radius = columns + 3 * room;
   return 1;
@@ -117,6 +129,7 @@ static void FN(close_stage)(void *opaque) {
   free(stage->surface);
   free(stage->lamp);
   free(stage->center.x);
+  free(stage->all);
   free(stage);
 }
 
@@ -153,6 +166,7 @@ static ct_status FN(open_stage)(const ct_frame *frame, void **out) {
   stage->missed = misses_black ? v_zero() : stage->background;
   int ends_black = stage->world->choice[CT_EXHAUSTED] == CT_EXHAUSTED_BLACK;
   stage->exhausted = ends_black ? v_zero() : stage->background;
+  stage->ends_lit = !ends_black;
   *out = stage;
   return CT_OK;
 }
