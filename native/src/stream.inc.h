@@ -21,51 +21,59 @@
 #include "stream_cull.inc.h"
 #include "stream_trace.inc.h"
 
-/* The way of the ray through the centre of each pixel (specification 2.3), not of length 1. */
-static void aim(const WORLD *world, const ct_tile *tile, int64_t top, int64_t bottom,
-                BUNDLE *bundle) {
+/* The ways of the rays through the centres of a rectangle of pixels (specification 2.3), not of
+ * length 1. */
+static void aim(const WORLD *world, const ct_tile *pixels, BUNDLE *bundle) {
   const ct_scene_view *v = world->view;
-  size_t n = 0;
-  for (int64_t row = top; row < bottom; row++)
-    for (int64_t column = tile->left; column < tile->right; column++, n++) {
+  double middle = (double)v->h_res / 2, level = (double)v->v_res / 2;
+  REAL *across = bundle->direction.x, *down = bundle->direction.y;
+  size_t n = 0, n_across = (size_t)(pixels->right - pixels->left);
+  for (int64_t row = pixels->top; row < pixels->bottom; row++, n += n_across)
+    for (size_t k = 0; k < n_across; k++) {
       /* Halves of integers: exact in every type. */
-      bundle->direction.x[n] = from_double((double)column - (double)v->h_res / 2 + 0.5);
-      bundle->direction.y[n] = from_double((double)row - (double)v->v_res / 2 + 0.5);
+      across[n + k] = from_double((double)(pixels->left + (int64_t)k) - middle + 0.5);
+      down[n + k] = from_double((double)row - level + 0.5);
     }
   bundle->n = n;
   LANES s = l_all(from_double(v->pixel_size));
   VECS eye = vs_all(world->eye);
   VECS forward = vs_all(v_scale(from_double(v->screen_distance), world->w));
   for (size_t at = 0; at < n; at += N_LANES) {
-    LANES x = s * l_load(bundle->direction.x + at), y = -(s * l_load(bundle->direction.y + at));
-    VECS across = vs_add(vs_scale(x, vs_all(world->u)), vs_scale(y, vs_all(world->v)));
-    vs_store(&bundle->direction, at, vs_sub(across, forward));
+    LANES x = s * l_load(across + at), y = -(s * l_load(down + at));
+    VECS way = vs_add(vs_scale(x, vs_all(world->u)), vs_scale(y, vs_all(world->v)));
+    vs_store(&bundle->direction, at, vs_sub(way, forward));
     vs_store(&bundle->origin, at, eye);
   }
 }
 
-static void put(const COLUMNS *c, size_t k, double *out) {
-  out[0] = to_double(c->x[k]);
-  out[1] = to_double(c->y[k]);
-  out[2] = to_double(c->z[k]);
+/* Writes n vectors from number k on, `stride` doubles apart. */
+static inline void put(const COLUMNS *c, size_t k, size_t n, double *out, size_t stride) {
+  const REAL *x = c->x + k, *y = c->y + k, *z = c->z + k;
+  for (size_t i = 0; i < n; i++) {
+    out[i * stride] = to_double(x[i]);
+    out[i * stride + 1] = to_double(y[i]);
+    out[i * stride + 2] = to_double(z[i]);
+  }
 }
 
-/* Writes pixel k of a bundle. */
-static void deliver(const STORE *store, const BUNDLE *bundle, size_t k, const ct_outputs *out,
-                    size_t pixel) {
+/* Writes n pixels of a row, which are numbers k and on of the bundle. */
+static void deliver(const STORE *store, const BUNDLE *bundle, size_t k, size_t n,
+                    const ct_outputs *out, size_t pixel) {
   const FIRST *first = &store->first;
-  if (out->image) put(&bundle->color, k, out->image + 3 * pixel);
-  if (out->image_low) memset(out->image_low + 3 * pixel, 0, 3 * sizeof *out->image_low);
-  if (out->tree) out->tree[pixel] = bundle->tree[k];
-  if (out->rays) out->rays[pixel] = bundle->rays[k];
-  if (store->wants_hit) {
-    int is_hit = first->object[k] >= 0;
-    if (out->object) out->object[pixel] = (int32_t)first->object[k];
-    if (out->t_world) out->t_world[pixel] = is_hit ? to_double(first->t[k]) : (double)INFINITY;
-    if (out->normal) put(&first->normal, k, out->normal + 3 * pixel);
+  if (out->image) put(&bundle->color, k, n, out->image + 3 * pixel, 3);
+  if (out->image_low) memset(out->image_low + 3 * pixel, 0, 3 * n * sizeof *out->image_low);
+  if (out->tree) memcpy(out->tree + pixel, bundle->tree + k, n * sizeof *out->tree);
+  if (out->rays) memcpy(out->rays + pixel, bundle->rays + k, n * sizeof *out->rays);
+  for (size_t i = 0; out->object && i < n; i++)
+    out->object[pixel + i] = (int32_t)first->object[k + i];
+  for (size_t i = 0; out->t_world && i < n; i++) {
+    int is_hit = first->object[k + i] >= 0;
+    out->t_world[pixel + i] = is_hit ? to_double(first->t[k + i]) : (double)INFINITY;
   }
+  if (out->normal) put(&first->normal, k, n, out->normal + 3 * pixel, 3);
   for (size_t term = 0; out->contributions && term < CT_CONTRIBUTIONS; term++)
-    put(&first->split[term], k, out->contributions + 3 * (pixel * CT_CONTRIBUTIONS + term));
+    put(&first->split[term], k, n, out->contributions + 3 * (pixel * CT_CONTRIBUTIONS + term),
+        3 * CT_CONTRIBUTIONS);
 }
 
 static void FN(tile)(const void *opaque, void *opaque_store, const ct_tile *tile,
@@ -75,28 +83,19 @@ static void FN(tile)(const void *opaque, void *opaque_store, const ct_tile *tile
   int64_t across = tile->right - tile->left, rows = BUNDLE_RAYS / across;
   store->pixel = pixel;
   for (int64_t top = tile->top; top < tile->bottom; top += rows) {
-    int64_t bottom = top + rows < tile->bottom ? top + rows : tile->bottom;
+    ct_tile part = *tile;
+    part.top = top;
+    if (top + rows < tile->bottom) part.bottom = top + rows;
     store->used = 0;
     BUNDLE bundle = take_bundle(store, BUNDLE_RAYS);
-    if (store->wants_hit) {
-      store->first.object = take(store, rounded_up(BUNDLE_RAYS), sizeof *store->first.object);
-      store->first.t = take(store, rounded_up(BUNDLE_RAYS), sizeof *store->first.t);
-      store->first.normal = take_columns(store, rounded_up(BUNDLE_RAYS));
-    }
-    if (store->wants_split) {
-      store->first.total = take(store, rounded_up(BUNDLE_RAYS), sizeof *store->first.total);
-      for (int k = 0; k < CT_CONTRIBUTIONS; k++)
-        store->first.split[k] = take_columns(store, rounded_up(BUNDLE_RAYS));
-    }
-    aim(stage->world, tile, top, bottom, &bundle);
+    take_first(store);
+    aim(stage->world, &part, &bundle);
     trace_first(store, &bundle);
     if (is_stopped(store)) return;
-    size_t k = 0;
-    for (int64_t row = top; row < bottom; row++)
-      for (int64_t column = tile->left; column < tile->right; column++, k++) {
-        size_t line = (size_t)(row - tile->row_begin) * (size_t)stage->world->view->h_res;
-        deliver(store, &bundle, k, tile->out, line + (size_t)column);
-      }
+    size_t h_res = (size_t)stage->world->view->h_res, k = 0;
+    for (int64_t row = top; row < part.bottom; row++, k += (size_t)across)
+      deliver(store, &bundle, k, (size_t)across, tile->out,
+              (size_t)(row - tile->row_begin) * h_res + (size_t)tile->left);
   }
 }
 

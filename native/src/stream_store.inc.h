@@ -93,6 +93,19 @@ static BRANCH take_branch(STORE *store, size_t n) {
   return b;
 }
 
+static void take_first(STORE *store) {
+  FIRST *first = &store->first;
+  size_t room = rounded_up(BUNDLE_RAYS);
+  if (store->wants_hit) {
+    first->object = take(store, room, sizeof *first->object);
+    first->t = take(store, room, sizeof *first->t);
+    first->normal = take_columns(store, room);
+  }
+  if (!store->wants_split) return;
+  first->total = take(store, room / N_LANES, sizeof *first->total);
+  for (int k = 0; k < CT_CONTRIBUTIONS; k++) first->split[k] = take_columns(store, room);
+}
+
 static void FN(leave)(void *opaque) {
   STORE *store = opaque;
   if (!store) return;
