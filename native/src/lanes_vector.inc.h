@@ -31,6 +31,13 @@ static inline VECS vs_add_where(MASK m, VECS a, VECS b) {
   return (VECS){l_add_where(m, a.x, b.x), l_add_where(m, a.y, b.y), l_add_where(m, a.z, b.z)};
 }
 
+static inline VECS vs_pack(MASK m, VECS a) {
+  return (VECS){l_pack(m, a.x), l_pack(m, a.y), l_pack(m, a.z)};
+}
+static inline VECS vs_unpack(MASK m, VECS a) {
+  return (VECS){l_unpack(m, a.x), l_unpack(m, a.y), l_unpack(m, a.z)};
+}
+
 /* Three arrays side by side. */
 typedef struct FN(columns) {
   REAL *x, *y, *z;
@@ -44,11 +51,4 @@ static inline void vs_store(const COLUMNS *c, size_t at, VECS a) {
   l_store(c->x + at, a.x);
   l_store(c->y + at, a.y);
   l_store(c->z + at, a.z);
-}
-static inline void vs_store_packed(const COLUMNS *c, size_t at, MASK m, VECS a) {
-  vs_store(c, at, (VECS){l_pack(m, a.x), l_pack(m, a.y), l_pack(m, a.z)});
-}
-static inline VECS vs_load_packed(const COLUMNS *c, size_t at, MASK m) {
-  VECS a = vs_load(c, at);
-  return (VECS){l_unpack(m, a.x), l_unpack(m, a.y), l_unpack(m, a.z)};
 }

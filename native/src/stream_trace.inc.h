@@ -68,9 +68,14 @@ INLINE unsigned send(BRANCH *branch, size_t at, MASK sent, LANES weight, VECS po
   unsigned lanes = m_bits(sent), n = (unsigned)__builtin_popcount(lanes);
   if (!lanes) return 0;
   branch->parcel[branch->n_parcels++] = (PARCEL){(uint16_t)at, (uint16_t)lanes};
-  l_store(branch->weight + branch->rays.n, l_pack(sent, weight));
-  vs_store_packed(&branch->rays.origin, branch->rays.n, sent, point);
-  vs_store_packed(&branch->rays.direction, branch->rays.n, sent, direction);
+  if (n < N_LANES) {
+    weight = l_pack(sent, weight);
+    point = vs_pack(sent, point);
+    direction = vs_pack(sent, direction);
+  }
+  l_store(branch->weight + branch->rays.n, weight);
+  vs_store(&branch->rays.origin, branch->rays.n, point);
+  vs_store(&branch->rays.direction, branch->rays.n, direction);
   branch->rays.n += n;
   return n;
 }
@@ -181,8 +186,8 @@ static void take_back(const STORE *store, const BUNDLE *bundle, const BRANCH *br
     size_t at = branch->parcel[p].at;
     unsigned lanes = branch->parcel[p].lanes;
     MASK sent = m_from_bits(lanes);
-    LANES weight = l_unpack(sent, l_load(branch->weight + from));
-    VECS c = vs_scale(weight, vs_load_packed(&rays->color, from, sent));
+    LANES weight = l_load(branch->weight + from);
+    VECS c = vs_unpack(sent, vs_scale(weight, vs_load(&rays->color, from)));
     vs_store(&bundle->color, at, vs_add_where(sent, vs_load(&bundle->color, at), c));
     if (is_first && store->wants_split) {
       MASK total = m_from_bits(term == TERM_REFLECTION ? store->first.total[at / N_LANES] : 0);
