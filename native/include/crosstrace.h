@@ -228,7 +228,9 @@ typedef struct ct_certify_stats {
   uint64_t n_closed[3]; /* pixels certified in double, double-double, float128 */
 } ct_certify_stats;
 
-/* CT_ERR_OPTION for offset=bound, which has no meaning in real arithmetic. */
+/* CT_ERR_OPTION for offset=bound, which has no meaning in real arithmetic. The same bits for every set
+ * of instructions; a build by a compiler without vector types has other enclosures of the same
+ * values. */
 CT_API ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
                             const ct_certify_request *request, const ct_enclosures *out,
                             ct_progress progress, void *user, ct_certify_stats *stats);

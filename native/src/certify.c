@@ -1,7 +1,8 @@
 /* Certified pixels: an enclosure of the real-arithmetic value, or undecidable with its reason.
  *
- * Every pixel goes through intervals in double; what is left open through double-double; what is
- * then left through float128. Open means: an enclosure wider than the tolerance, a decision whose
+ * Pixels go through intervals in double: in vectors where the frame allows it (set_stream.h), then
+ * those that this leaves open one by one. What is then left goes through double-double, and what is
+ * left of that through float128. Open means: an enclosure wider than the tolerance, a decision whose
  * outcomes differ by more than it, or a quantity too wide to go on with.
  */
 #include <float.h>
@@ -13,8 +14,9 @@
 #include "machine.h"
 #include "parallel.h"
 #include "set.h"
+#include "set_stream.h"
 
-enum { N_LEVELS = 3, CHUNK = 64, RAYS_PER_PIXEL = 1 << 20 };
+enum { N_LEVELS = 3, CHUNK = CT_SET_STREAM, RAYS_PER_PIXEL = 1 << 20 };
 /* Bytes of stack for one level of the recursion of the widest kernel. */
 enum { SET_STACK_PER_LEVEL = 32768, SET_STACK_LEVELS = 4096 };
 
@@ -43,6 +45,8 @@ typedef struct job {
   const ct_set_kernel *kernels[N_LEVELS];
   const void *worlds[N_LEVELS];
   int n_levels;
+  const ct_set_stream *stream; /* NULL: every pixel on its own */
+  void *stream_world;
   atomic_int stop;
   atomic_uint_fast64_t n_closed[N_LEVELS];
 } job;
@@ -83,11 +87,15 @@ static void store(const job *j, uint64_t at, const ct_set_result *r, ct_certify_
   }
 }
 
+static int64_t pixel_at(const job *j, uint64_t at) {
+  return j->request->pixels ? j->request->pixels[at] : (int64_t)at;
+}
+
 /* Called in the rounding mode of the first level, and leaves it so. */
 static void certify_pixel(job *j, uint64_t at, uint64_t n_closed[N_LEVELS]) {
   const ct_certify_request *q = j->request;
   int64_t h_res = j->frame->view.h_res;
-  int64_t pixel = q->pixels ? q->pixels[at] : (int64_t)at;
+  int64_t pixel = pixel_at(j, at);
   ct_set_result result; /* its alternatives are filled as far as they are counted */
   result.status = CT_SET_PRECISION;
   ct_certify_class class = CT_UNDECIDABLE_PRECISION;
@@ -106,13 +114,42 @@ static void certify_pixel(job *j, uint64_t at, uint64_t n_closed[N_LEVELS]) {
   store(j, at, &result, class, level);
 }
 
+/* Certifies those pixels of a chunk that need no decision looked into; says which are left. */
+static void certify_batch(job *j, uint64_t begin, uint64_t end, uint64_t n_closed[N_LEVELS],
+                          unsigned char open[CHUNK]) {
+  int64_t pixels[CHUNK] = {0};
+  ct_set_batch batch;
+  ct_set_limits limits = {outcomes_followed[0], RAYS_PER_PIXEL, &j->stop};
+  for (uint64_t at = begin; at < end; at++) pixels[at - begin] = pixel_at(j, at);
+  j->stream->batch(j->stream_world, pixels, (int)(end - begin), &limits, &batch);
+  ct_set_result result = {.status = CT_SET_DECIDED, .n_alternatives = 1,
+                          .first = {CT_DECISION_NONE, 0, -1}};
+  memcpy(open, batch.open, CHUNK);
+  for (uint64_t i = 0; i < end - begin; i++) {
+    for (int k = 0; k < 3; k++) {
+      double lo = batch.lo[k][i], hi = batch.hi[k][i];
+      /* Also where one is no number. */
+      if (!(lo <= hi) || !(hi - lo <= j->request->tolerance)) open[i] = 1;
+      result.lo[k] = result.alternatives[0][0][k] = lo;
+      result.hi[k] = result.alternatives[0][1][k] = hi;
+    }
+    if (open[i]) continue;
+    store(j, begin + i, &result, CT_CERTIFIED, 0);
+    n_closed[0]++;
+  }
+}
+
 static void run_chunk(void *argument, void *state, uint64_t begin, uint64_t end) {
   job *j = argument;
   uint64_t n_closed[N_LEVELS] = {0};
   (void)state;
   /* Changing the mode costs as much as a pixel of a flat scene, so once a chunk. */
   fesetround(j->kernels[0]->rounding);
+  unsigned char open[CHUNK];
+  memset(open, 1, sizeof open);
+  if (j->stream) certify_batch(j, begin, end, n_closed, open);
   for (uint64_t at = begin; at < end; at++) {
+    if (!open[at - begin]) continue;
     if (atomic_load_explicit(&j->stop, memory_order_relaxed)) break;
     certify_pixel(j, at, n_closed);
   }
@@ -155,6 +192,11 @@ ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
     j.kernels[j.n_levels] = kernel;
     j.worlds[j.n_levels++] = world;
   }
+  if (!status && !(request->kappa > 0) && (j.stream = ct_set_stream_for(&frame)) != NULL) {
+    fesetround(FE_UPWARD);
+    status = j.stream->open(&frame, &j.stream_world);
+    fesetround(FE_TONEAREST);
+  }
   if (!status) {
     uint64_t n = request->pixels ? request->n_pixels : (uint64_t)(view->v_res * view->h_res);
     int64_t depth = frame.max_depth < SET_STACK_LEVELS ? frame.max_depth : SET_STACK_LEVELS;
@@ -166,6 +208,7 @@ ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
   if (stats)
     for (int k = 0; k < N_LEVELS; k++) stats->n_closed[k] = atomic_load(&j.n_closed[k]);
   for (int k = 0; k < j.n_levels; k++) j.kernels[k]->close((void *)(uintptr_t)j.worlds[k]);
+  if (j.stream_world) j.stream->close(j.stream_world);
   ct_frame_close(&frame);
   ct_machine_leave(caller);
   return status;

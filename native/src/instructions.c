@@ -25,6 +25,6 @@ ct_instructions ct_instructions_usable(ct_instructions cap) {
 }
 
 const char *ct_instructions_name(size_t index) {
-  static const char *const names[] = {"generic", "fma", "avx2", "avx512"};
+  static const char *const names[] = {"scalar", "generic", "fma", "avx2", "avx512"};
   return index <= (size_t)best() ? names[index] : NULL;
 }

@@ -2,8 +2,9 @@
 #ifndef CT_INSTRUCTIONS_H
 #define CT_INSTRUCTIONS_H
 
-/* Each holds those before it. Kernels exist for the first two; avx2 and avx512 choose as fma. */
+/* Each holds those before it; `scalar` asks for one number at a time, whatever the processor has. */
 typedef enum ct_instructions {
+  CT_INSTRUCTIONS_SCALAR,
   CT_INSTRUCTIONS_GENERIC,
   CT_INSTRUCTIONS_FMA,
   CT_INSTRUCTIONS_AVX2,

@@ -145,7 +145,7 @@ ct_status ct_options_set_rounding(ct_options *options, const char *mode, ct_faul
 }
 
 ct_status ct_options_set_instructions(ct_options *options, const char *most, ct_fault *fault) {
-  static const char sets[] = "generic|fma|avx2|avx512|native";
+  static const char sets[] = "scalar|generic|fma|avx2|avx512|native";
   if (!options || !most) return CT_ERR_ARGUMENT;
   int found = find_value(sets, most);
   if (found < 0) return refuse(fault, "instructions", sets, most);

@@ -9,6 +9,7 @@
 #include "kernel.h"
 #include "machine.h"
 #include "parallel.h"
+#include "stream.h"
 
 enum { TILE_SIDE = 16 };
 
@@ -21,6 +22,7 @@ enum { STACK_FACTOR = 1 };
 
 typedef struct job {
   const ct_kernel *kernel;
+  const ct_stream *stream; /* NULL: the kernel traces pixel by pixel */
   const void *world;
   const ct_scene_view *view;
   const ct_outputs *out;
@@ -61,14 +63,29 @@ static void store(const job *j, size_t at, const ct_pixel *p) {
            sizeof p->contributions);
 }
 
-static void render_tile(job *j, uint64_t tile, ct_pixel *pixel) {
+/* What one thread works with. */
+typedef struct hand {
+  ct_pixel pixel;
+  void *store; /* of the stream */
+} hand;
+
+static ct_tile tile_at(const job *j, uint64_t index) {
+  int64_t top = j->row_begin + (int64_t)(index / (uint64_t)j->tiles_across) * TILE_SIDE;
+  int64_t left = (int64_t)(index % (uint64_t)j->tiles_across) * TILE_SIDE;
+  int64_t bottom = top + TILE_SIDE, right = left + TILE_SIDE;
+  return (ct_tile){top, bottom < j->row_end ? bottom : j->row_end, left,
+                   right < j->view->h_res ? right : j->view->h_res, j->row_begin, j->out};
+}
+
+static void render_tile(job *j, const ct_tile *tile, hand *thread) {
+  ct_pixel *pixel = &thread->pixel;
   int64_t h_res = j->view->h_res;
-  int64_t top = j->row_begin + (int64_t)(tile / (uint64_t)j->tiles_across) * TILE_SIDE;
-  int64_t left = (int64_t)(tile % (uint64_t)j->tiles_across) * TILE_SIDE;
-  int64_t bottom = top + TILE_SIDE < j->row_end ? top + TILE_SIDE : j->row_end;
-  int64_t right = left + TILE_SIDE < h_res ? left + TILE_SIDE : h_res;
-  for (int64_t row = top; row < bottom; row++)
-    for (int64_t column = left; column < right; column++) {
+  if (j->stream) {
+    j->stream->tile(j->world, thread->store, tile, pixel);
+    return;
+  }
+  for (int64_t row = tile->top; row < tile->bottom; row++)
+    for (int64_t column = tile->left; column < tile->right; column++) {
       pixel->n_rays = 0;
       pixel->tree = 0;
       j->kernel->pixel(j->world, row, column, pixel);
@@ -80,31 +97,37 @@ static void render_tile(job *j, uint64_t tile, ct_pixel *pixel) {
 static void *enter_thread(void *argument) {
   job *j = argument;
   const ct_outputs *out = j->out;
-  ct_pixel *pixel = calloc(1, sizeof *pixel);
-  if (!pixel) {
+  hand *thread = calloc(1, sizeof *thread);
+  if (thread && j->stream) thread->store = j->stream->enter(j->world, out);
+  if (!thread || (j->stream && !thread->store)) {
+    free(thread);
     atomic_store(&j->shared.stop, CT_ERR_MEMORY);
     return NULL;
   }
-  pixel->shared = &j->shared;
-  pixel->wants_contributions = out->contributions != NULL;
-  pixel->wants_hit = out->object || out->t_world || out->normal;
+  thread->pixel.shared = &j->shared;
+  thread->pixel.wants_contributions = out->contributions != NULL;
+  thread->pixel.wants_hit = out->object || out->t_world || out->normal;
   fesetround(j->rounding);
-  return pixel;
+  return thread;
 }
 
 static void leave_thread(void *argument, void *state) {
   job *j = argument;
-  ct_pixel *pixel = state;
-  if (!pixel) return;
-  ct_pixel_report(pixel);
-  atomic_fetch_add(&j->n_shadow, pixel->n_shadow);
-  atomic_fetch_add(&j->n_reflected, pixel->n_reflected);
-  atomic_fetch_add(&j->n_refracted, pixel->n_refracted);
-  free(pixel);
+  hand *thread = state;
+  if (!thread) return;
+  ct_pixel_report(&thread->pixel);
+  atomic_fetch_add(&j->n_shadow, thread->pixel.n_shadow);
+  atomic_fetch_add(&j->n_reflected, thread->pixel.n_reflected);
+  atomic_fetch_add(&j->n_refracted, thread->pixel.n_refracted);
+  if (j->stream) j->stream->leave(thread->store);
+  free(thread);
 }
 
 static void render_tiles(void *argument, void *state, uint64_t begin, uint64_t end) {
-  for (uint64_t tile = begin; state && tile < end; tile++) render_tile(argument, tile, state);
+  for (uint64_t index = begin; state && index < end; index++) {
+    ct_tile tile = tile_at(argument, index);
+    render_tile(argument, &tile, state);
+  }
 }
 
 static const int rounding_modes[] = {[CT_ROUND_NEAREST] = FE_TONEAREST,
@@ -121,16 +144,17 @@ ct_status ct_render(const ct_scene_view *view, const ct_options *options,
     return CT_ERR_ARGUMENT;
   const ct_kernel *kernel = ct_precision_kernel(options->precision, options->instructions);
   if (options->rounding != CT_ROUND_NEAREST && !kernel->takes_rounding) return CT_ERR_OPTION;
+  const ct_stream *stream = ct_stream_for(options);
   ct_machine_state caller = ct_machine_enter();
   ct_frame frame;
   void *world = NULL;
   ct_status status = ct_frame_open(&frame, view, options);
   if (!status) {
-    status = kernel->open(&frame, &world);
+    status = stream ? stream->open(&frame, &world) : kernel->open(&frame, &world);
     if (!status) {
       int64_t across = (view->h_res + TILE_SIDE - 1) / TILE_SIDE;
       int64_t down = (end - options->row_begin + TILE_SIDE - 1) / TILE_SIDE;
-      job j = {.kernel = kernel, .world = world, .view = view, .out = outputs,
+      job j = {.kernel = kernel, .stream = stream, .world = world, .view = view, .out = outputs,
                .rounding = rounding_modes[options->rounding],
                .row_begin = options->row_begin, .row_end = end, .tiles_across = across,
                .shared = {.ray_budget = options->ray_budget}};
@@ -143,7 +167,7 @@ ct_status ct_render(const ct_scene_view *view, const ct_options *options,
       if (stats && !status)
         *stats = (ct_stats){(uint64_t)(end - options->row_begin) * (uint64_t)view->h_res,
                             j.n_shadow, j.n_reflected, j.n_refracted, n_threads};
-      kernel->close(world);
+      (stream ? stream->close : kernel->close)(world);
     }
     ct_frame_close(&frame);
   }

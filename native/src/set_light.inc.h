@@ -3,13 +3,6 @@
  * 2(n.l)(n.wo) - l.wo.
  */
 
-/* Mitsuba's constants (its math.h): 1500 and 15000 times 2^-24, and its near plane. */
-#define SET_MITSUBA_RAY 0x1.77p-14
-#define SET_MITSUBA_SHADOW 0x1.d4cp-11
-#define SET_MITSUBA_NEAR 1e-2
-/* An undecided light that can add no more than this is enclosed with and without. */
-#define SET_NEGLIGIBLE 1e-13
-
 typedef struct SET_FN(hit) {
   size_t object;
   IV3 point, normal, wo;

@@ -1,7 +1,8 @@
 """Certified pixels: rigorous enclosures of the real-arithmetic value (section 5 of the design).
 
 The certified kernel (`native/src/set.inc.h`) is a second text beside the tracer: interval
-arithmetic in double, then double-double, then float128 for what is left open. Truth is real
+arithmetic in double, then double-double, then float128 for what is left open. A third
+(`native/src/set_stream.inc.h`) closes most pixels before, in vectors of intervals. Truth is real
 arithmetic on the scene's doubles, under the default readings or any others.
 """
 
@@ -154,7 +155,8 @@ def certify(
             "n_alternatives": np.empty(len(again), np.uint8),
             "alternatives": np.empty((len(again), MAX_ALTERNATIVES, 2, 3)),
         }
-        _core.certify(view, settings, again, tolerance, kappa, some, progress)
+        if len(again):
+            _core.certify(view, settings, again, tolerance, kappa, some, progress)
     except RuntimeError as error:
         raise RendererError(f"certification: {error}") from None
     return Enclosures(**arrays, **some, closed=closed)

@@ -152,6 +152,24 @@ def test_the_number_of_threads_changes_no_bit() -> None:
     assert np.array_equal(one.lo, three.lo) and np.array_equal(one.hi, three.hi)
 
 
+@pytest.mark.parametrize(
+    "habits",
+    [
+        {"offset": "mitsuba"},
+        {"epsilon": "1e-4", "shadow_min": "1e-3", "light_min": "1e-3", "far": "50",
+         "nesting": "interiors", "index": "float32"},
+    ],
+    ids=["mitsuba", "povray"],
+)  # fmt: skip
+def test_float128_lies_inside_the_enclosures_of_a_renderers_habits(habits: dict[str, str]) -> None:
+    """The readings that lanes are certified under are enclosed as the specification's own are."""
+    scene = parse(GLASS)
+    options = RenderOptions(precision="f128", readings=habits)
+    known = certify(scene, habits)
+    assert known.contains(renderer("native").render(scene, options).image).all()
+    assert known.closed["double"] > 0.98 * known.pixel_class.size
+
+
 @pytest.mark.parametrize("text", [GLASS, CORNER], ids=["glass", "corner"])
 def test_float128_lies_inside_the_double_enclosures(text: str) -> None:
     """The widest arithmetic of the tracer never leaves an enclosure, decided or not."""

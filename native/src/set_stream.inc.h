@@ -1,0 +1,214 @@
+/* The certified streams for one instruction set (set_lanes_*.h).
+ *
+ * A stream of rays is met with all solids vector by vector; each vector is shaded once for every
+ * solid that it meets; secondary rays are packed into two child streams, so that lanes stay full at
+ * any depth, and what these return is added where they came from. A decision that is not certain
+ * leaves its pixel open, and the pixel's other rays are dropped as they come up.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "kernel.h"
+#include "set_stream.h"
+#include "interval.inc.h"
+#include "set_world.inc.h"
+#include "set_stream_interval.inc.h"
+#include "set_stream_world.inc.h"
+#include "set_stream_hit.inc.h"
+#include "set_stream_shadow.inc.h"
+#include "set_stream_point.inc.h"
+#include "set_stream_scatter.inc.h"
+
+/* Deeper rays are left to the scalar kernel: a level of the recursion takes much stack. */
+enum { DEEPEST = 1000 };
+
+typedef struct SET_FN(colors) {
+  double channel[6][ROOM]; /* (-lo, hi) of three channels */
+} COLORS;
+
+/* The lanes of a vector whose pixels are still worth tracing; counts their rays. */
+static MASK living_lanes(BATCH *batch, const STREAM *rays, int at) {
+  unsigned bits = 0;
+  int n = rays->n - at < N_LANES ? rays->n - at : N_LANES;
+  for (int k = 0; k < n; k++) {
+    int slot = (int)rays->slot[at + k];
+    if (++batch->n_rays[slot] > batch->limits->n_rays) batch->open[slot] = 1;
+    if (!batch->open[slot]) bits |= 1u << k;
+  }
+  return m_from_bits(bits);
+}
+
+/* The light of the hits of one solid, and their secondary rays. */
+static inline void shade(const SWORLD *world, const STREAM *rays, int at, int is_last,
+                         const VI o[3], const VI d[3], const VS3 *d_signed, const NEAREST *nearest,
+                         const SOLID *solid, MASK lanes, VI color[3], CHILD *mirrored,
+                         CHILD *refracted, MASK *bad) {
+  const WORLD *base = world->base;
+  const IV3 *flat = &base->base[solid->object];
+  VI sum[3] = {vi_from(flat->x), vi_from(flat->y), vi_from(flat->z)};
+  if (base->view->delivery > 1) {
+    HITS hit;
+    enclose_hits(o, d, d_signed, solid, nearest, &hit);
+    const double *m = base->view->material + solid->object * CT_MATERIAL_COLUMNS;
+    int has_light = ((base->effects & CT_DIFFUSE) && m[CT_KD] > 0) ||
+                    ((base->effects & CT_SPECULAR) && m[CT_KS] > 0);
+    for (size_t j = 0; has_light && j < base->view->n_lights; j++)
+      add_light(world, &hit, j, lanes, sum, bad);
+    if (base->view->delivery == 3 && !is_last)
+      scatter(world, &hit, d, rays, at, m_but(lanes, *bad), mirrored, refracted, bad);
+  }
+  for (int k = 0; k < 3; k++) color[k] = vi_select(lanes, sum[k], color[k]);
+}
+
+static __attribute__((noinline)) void trace_vector(const SWORLD *world, BATCH *batch,
+                                                   const STREAM *rays, int at, int64_t depth,
+                                                   COLORS *out, CHILD *mirrored,
+                                                   CHILD *refracted) {
+  const WORLD *base = world->base;
+  const IV3 *back = &base->background;
+  MASK lanes = living_lanes(batch, rays, at), bad;
+  if (!m_any(lanes)) {
+    for (int k = 0; k < 6; k++) l_store(out->channel[k] + at, l_all(0));
+    return;
+  }
+  VI o[3], d[3];
+  for (int k = 0; k < 3; k++) {
+    o[k] = vi(l_load(rays->origin[k] + at), l_load(rays->origin[3 + k] + at));
+    d[k] = vi(l_load(rays->direction[k] + at), l_load(rays->direction[3 + k] + at));
+  }
+  MIDDLE q;
+  bad = m_but(lanes, middle_of(o, d, &q));
+  lanes = m_but(lanes, bad);
+  MASK doubt;
+  NEAREST nearest = nearest_of(world, o, d, &q, depth == 0, lanes, &doubt);
+  bad = m_or(bad, doubt);
+  lanes = m_but(lanes, bad);
+  VI color[3] = {vi_from(back->x), vi_from(back->y), vi_from(back->z)};
+  VS3 d_signed = vs3_of(d);
+  LANE_ID objects[N_LANES];
+  i_store(objects, nearest.object);
+  unsigned left = m_bits(m_but(lanes, i_equal(nearest.object, i_all(-1))));
+  while (left) {
+    LANE_ID index = objects[__builtin_ctz(left)];
+    MASK group = m_and(m_from_bits(left), i_equal(nearest.object, i_all(index)));
+    shade(world, rays, at, depth >= base->frame->max_depth, o, d, &d_signed, &nearest,
+          &world->solids[(size_t)index], group, color, mirrored, refracted, &bad);
+    left &= ~m_bits(group);
+  }
+  for (int k = 0; k < 3; k++) {
+    l_store(out->channel[k] + at, color[k].n);
+    l_store(out->channel[3 + k] + at, color[k].h);
+  }
+  leave_open(batch, rays, at, bad);
+}
+
+/* Adds what the rays of a child stream returned to the rays that they came from. */
+static void add_child(const CHILD *child, const COLORS *colors, COLORS *out) {
+  for (int i = 0; i < child->n_records; i++) {
+    const RECORD *r = &child->records[i];
+    MASK lanes = m_from_bits(r->bits);
+    int to = r->vector * N_LANES;
+    for (int k = 0; k < 6; k++) {
+      LANES more = l_unpack(lanes, l_load(colors->channel[k] + r->at)) * r->weight;
+      LANES own = l_load(out->channel[k] + to);
+      l_store(out->channel[k] + to, l_blend(lanes, own + more, own));
+    }
+  }
+}
+
+static void trace_stream(const SWORLD *world, BATCH *batch, const STREAM *rays, int64_t depth,
+                         COLORS *out) {
+  CHILD mirrored, refracted;
+  COLORS colors;
+  mirrored.rays.n = mirrored.n_records = refracted.rays.n = refracted.n_records = 0;
+  if (depth > DEEPEST || atomic_load_explicit(batch->limits->stop, memory_order_relaxed)) {
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < rays->n; i++) batch->open[(int)rays->slot[i]] = 1;
+    return;
+  }
+  for (int at = 0; at < rays->n; at += N_LANES)
+    trace_vector(world, batch, rays, at, depth, out, &mirrored, &refracted);
+  if (mirrored.rays.n > 0) {
+    trace_stream(world, batch, &mirrored.rays, depth + 1, &colors);
+    add_child(&mirrored, &colors, out);
+  }
+  if (refracted.rays.n > 0) {
+    trace_stream(world, batch, &refracted.rays, depth + 1, &colors);
+    add_child(&refracted, &colors, out);
+  }
+}
+
+/* ---- Primary rays ---- */
+
+static void primary_vector(const SWORLD *world, const double *row, const double *column,
+                           STREAM *rays, int at) {
+  const WORLD *base = world->base;
+  const ct_scene_view *view = base->view;
+  const IV basis[3][3] = {{base->u.x, base->v.x, base->w.x},
+                          {base->u.y, base->v.y, base->w.y},
+                          {base->u.z, base->v.z, base->w.z}};
+  double size = view->pixel_size, distance = view->screen_distance;
+  /* Halves of integers: exact. */
+  LANES across = l_load(column) - (double)view->h_res / 2 + 0.5;
+  LANES down = l_load(row) - (double)view->v_res / 2 + 0.5;
+  VI x = vi(-across * size, across * size), y = vi(down * size, -down * size);
+  VI z = vi(l_all(distance), l_all(-distance));
+  VI q = vi_add(vi_add(vi_square(x), vi_square(y)), vi_square(z));
+  LENGTH length = length_of(q);
+  VI direction[3], origin[3];
+  for (int k = 0; k < 3; k++) {
+    const IV *b = basis[k];
+    VI way = vi_add(vi_add(vi_mul(vi_from(b[0]), x), vi_mul(vi_from(b[1]), y)),
+                    vi_mul(vi_from(b[2]), z));
+    direction[k] = vi_by_positive(length.inverse, way);
+    origin[k] = vi(l_all(-view->eye[k]), l_all(view->eye[k]));
+  }
+  if (base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
+    IV near = i_over_positive(i_from(SET_MITSUBA_NEAR), i_from(distance));
+    VI step = vi_of_positives(vi_from(near), length.length);
+    for (int k = 0; k < 3; k++)
+      origin[k] = vi_add(origin[k], vi_by_positive(step, direction[k]));
+  }
+  for (int k = 0; k < 3; k++) {
+    l_store(rays->origin[k] + at, origin[k].n);
+    l_store(rays->origin[3 + k] + at, origin[k].h);
+    l_store(rays->direction[k] + at, direction[k].n);
+    l_store(rays->direction[3 + k] + at, direction[k].h);
+  }
+}
+
+static void SET_FN(batch)(const void *opaque, const int64_t *pixels, int n,
+                          const ct_set_limits *limits, ct_set_batch *out) {
+  const SWORLD *world = opaque;
+  const ct_scene_view *view = world->base->view;
+  BATCH batch = {.limits = limits, .open = out->open};
+  STREAM rays;
+  COLORS colors;
+  ct_medium around[CT_MEDIA_AROUND_EYE];
+  const ct_medium *medium = NULL;
+  double row[ROOM], column[ROOM];
+  if (world->base->choice[CT_NESTING] != CT_NESTING_RELATIVE)
+    medium = ct_media_around_eye(view, around);
+  rays.n = n;
+  for (int i = 0; i < ROOM; i++) {
+    int64_t pixel = pixels[i < n ? i : n - 1];
+    row[i] = (double)(pixel / view->h_res);
+    column[i] = (double)(pixel % view->h_res);
+    rays.slot[i] = i < n ? i : n - 1;
+    rays.medium[i] = medium;
+  }
+  memset(out->open, 0, sizeof out->open);
+  for (int at = 0; at < n; at += N_LANES)
+    primary_vector(world, row + at, column + at, &rays, at);
+  trace_stream(world, &batch, &rays, 0, &colors);
+  for (int k = 0; k < 3; k++)
+    for (int i = 0; i < n; i++) {
+      /* No zero with a sign, which is the one thing that instruction sets do not agree on. */
+      out->lo[k][i] = 0.0 - colors.channel[k][i];
+      out->hi[k][i] = 0.0 + colors.channel[3 + k][i];
+    }
+}
+
+const ct_set_stream SET_FN(ct_set_stream) = {SET_FN(open_stream), SET_FN(close_stream),
+                                             SET_FN(batch)};

@@ -1,0 +1,101 @@
+/* The world of the certified streams: what is the same for every ray, beside that of the scalar
+ * kernel (set_world.inc.h), and the streams themselves. */
+
+typedef struct SET_FN(solid) {
+  size_t object;
+  int is_plane, is_eye_on;
+  double g[CT_GEOMETRY_COLUMNS];
+  double radius, inverse_radius, size; /* upper bounds of 1/r and |c|; |p| and |n| of a plane */
+  double slant;
+  IV square, inverse; /* r^2; 1/r or 1/|n| */
+  IV mirror[3][3];    /* of a plane: I - 2 n n'/|n|^2 */
+} SOLID;
+
+typedef struct SET_FN(stream_world) {
+  WORLD *base;
+  SOLID *solids; /* without those equal to an earlier one: it hides them */
+  size_t n_solids;
+  size_t *solid_of; /* n_objects */
+} SWORLD;
+
+/* Rays as arrays: (-lo, hi) of three components each. Room for a vector beyond the last. */
+enum { ROOM = CT_SET_STREAM + N_LANES };
+typedef struct SET_FN(stream) {
+  int n;
+  double origin[6][ROOM], direction[6][ROOM];
+  double slot[ROOM];              /* which pixel of the batch */
+  const ct_medium *medium[ROOM];  /* but for nesting=relative */
+} STREAM;
+
+/* What all rays of a batch share. */
+typedef struct SET_FN(batch) {
+  const ct_set_limits *limits;
+  unsigned char *open;
+  uint64_t n_rays[CT_SET_STREAM];
+} BATCH;
+
+static void leave_open(BATCH *batch, const STREAM *rays, int at, MASK lanes) {
+  for (unsigned bits = m_bits(lanes); bits; bits &= bits - 1)
+    batch->open[(int)rays->slot[at + __builtin_ctz(bits)]] = 1;
+}
+
+static void set_mirror(const double *n, IV mirror[3][3]) {
+  IV square = i3_square(i3_from(n));
+  for (int k = 0; k < 3; k++)
+    for (int j = 0; j < 3; j++) {
+      IV part = i_over_positive(i_mul(i_from(2 * n[k]), i_from(n[j])), square);
+      mirror[k][j] = i_sub(i_from(k == j), part);
+    }
+}
+
+static SOLID solid_from(const WORLD *base, size_t i) {
+  const ct_scene_view *v = base->view;
+  const double *g = v->geometry + i * CT_GEOMETRY_COLUMNS;
+  SOLID s = {.object = i, .is_plane = v->kind[i] == CT_PLANE, .is_eye_on = base->frame->eye_on[i]};
+  memcpy(s.g, g, sizeof s.g);
+  s.size = fabs(g[0]) + fabs(g[1]) + fabs(g[2]); /* rounded upward, as all here */
+  if (s.is_plane) {
+    s.slant = fabs(g[3]) + fabs(g[4]) + fabs(g[5]);
+    s.inverse = i_over_positive(i_from(1), i3_length(i3_from(g + 3)));
+    set_mirror(g + 3, s.mirror);
+  } else {
+    s.radius = g[3];
+    s.square = i_square(i_from(g[3]));
+    s.inverse = i_over_positive(i_from(1), i_from(g[3]));
+    s.inverse_radius = s.inverse.hi;
+  }
+  return s;
+}
+
+static void SET_FN(close_stream)(void *opaque) {
+  SWORLD *world = opaque;
+  if (world->base) SET_FN(close)(world->base);
+  free(world->solids);
+  free(world->solid_of);
+  free(world);
+}
+
+static ct_status SET_FN(open_stream)(const ct_frame *frame, void **out) {
+  SWORLD *world = calloc(1, sizeof *world);
+  void *base = NULL;
+  if (!world) return CT_ERR_MEMORY;
+  ct_status status = SET_FN(open)(frame, 0, &base);
+  if (status) {
+    free(world);
+    return status;
+  }
+  world->base = base;
+  size_t n = frame->view.n_objects;
+  world->solids = malloc((n + 1) * sizeof *world->solids);
+  world->solid_of = malloc((n + 1) * sizeof *world->solid_of);
+  if (!world->solids || !world->solid_of) {
+    SET_FN(close_stream)(world);
+    return CT_ERR_MEMORY;
+  }
+  for (size_t i = 0; i < n; i++) {
+    world->solid_of[i] = world->n_solids;
+    if (!world->base->is_twin[i]) world->solids[world->n_solids++] = solid_from(world->base, i);
+  }
+  *out = world;
+  return CT_OK;
+}

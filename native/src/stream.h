@@ -1,0 +1,31 @@
+/* What the frame loop knows of a stream: many pixels at a time, traced side by side with the bits
+ * of the scalar kernel. Internal.
+ */
+#ifndef CT_STREAM_H
+#define CT_STREAM_H
+
+#include "kernel.h"
+
+/* A rectangle of pixels, and the outputs of the frame, whose row 0 is row_begin. */
+typedef struct ct_tile {
+  int64_t top, bottom, left, right; /* rows [top, bottom), columns [left, right) */
+  int64_t row_begin;
+  const ct_outputs *out;
+} ct_tile;
+
+typedef struct ct_stream {
+  ct_status (*open)(const ct_frame *frame, void **world);
+  void (*close)(void *world);
+  /* The store of one thread; NULL where there is no memory. */
+  void *(*enter)(const void *world, const ct_outputs *out);
+  void (*leave)(void *store);
+  void (*tile)(const void *world, void *store, const ct_tile *tile, ct_pixel *pixel);
+} ct_stream;
+
+/* The widest stream that there is for this precision, these options and this processor; NULL where
+ * there is none and the kernel traces pixel by pixel. A stream knows the default readings, those
+ * that are numbers, and depth, epsilon_twice, exhausted, index, miss and refraction; rounding to
+ * nearest alone. */
+const ct_stream *ct_stream_for(const ct_options *options);
+
+#endif

@@ -1,0 +1,172 @@
+/* A frame as the stream reads it: what the scalar kernel works out at every hit from an object's
+ * numbers alone, worked out once, by the same operations. */
+
+/* What of an object a ray meets. */
+typedef struct FN(shape) {
+  VEC at, normal; /* centre; or point and unit normal of a plane */
+  REAL r2;        /* radius squared */
+  int is_plane, eye_on;
+} FN(shape);
+#define SHAPE FN(shape)
+
+/* What its surface does with light. */
+typedef struct FN(surface) {
+  VEC base, diffuse; /* flat or ambient term; kd * colour */
+  REAL ks, kr, kt;
+  REAL ratio[2]; /* of refraction: from outside, from inside */
+  REAL nothing_below, least_above; /* powers that underflow: see stream_light.inc.h */
+  double eta;
+  int is_diffuse, is_specular, is_squared, is_clear, has_kr, has_kt;
+} FN(surface);
+#define SURFACE FN(surface)
+
+typedef struct FN(lamp) {
+  VEC at, color;
+  int is_on_a_surface;
+} FN(lamp);
+#define LAMP FN(lamp)
+
+typedef struct FN(stage) {
+  WORLD *world;
+  SHAPE *shape;     /* of every object */
+  SURFACE *surface; /* of every object */
+  LAMP *lamp;
+  COLUMNS center; /* of every sphere, side by side */
+  REAL *radius;   /* of every sphere, infinite for a plane */
+  uint64_t *all;  /* a bit for every object */
+  VEC background, missed; /* by a primary ray, by any other */
+  VEC exhausted;
+  int ends_lit; /* exhausted is not black */
+  size_t n_objects, n_lamps;
+  size_t n_words; /* of a bit for every object */
+  int has_lights, has_scatter;
+} FN(stage);
+#define STAGE FN(stage)
+
+static void read_surface(const WORLD *world, size_t i, SURFACE *s) {
+  const ct_scene_view *view = world->view;
+  const double *m = view->material + i * CT_MATERIAL_COLUMNS;
+  REAL zero = from_double(0), one = from_double(1), byte = from_double(255);
+  VEC color = v_over(v_load(view->color + 3 * i), byte);
+  *s = (SURFACE){.eta = m[CT_ETA], .base = v_zero(), .kr = zero, .kt = zero};
+  if (view->delivery == 1) {
+    if (world->effects & CT_FLAT) s->base = color;
+    return;
+  }
+  if ((world->effects & CT_AMBIENT) && m[CT_KA] > 0)
+    s->base = v_mul(v_scale(from_double(m[CT_KA]), color), v_over(v_load(view->ambient), byte));
+  s->is_diffuse = (world->effects & CT_DIFFUSE) && m[CT_KD] > 0;
+  s->is_specular = (world->effects & CT_SPECULAR) && m[CT_KS] > 0;
+  s->diffuse = v_scale(from_double(m[CT_KD]), color);
+  s->ks = from_double(m[CT_KS]);
+  s->is_squared = m[CT_ETA] <= GREATEST_SQUARED && m[CT_ETA] == floor(m[CT_ETA]);
+  double underflow = exp(REAL_LEAST_EXPONENT / m[CT_ETA]);
+  s->nothing_below = from_double(0.98 * underflow);
+  s->least_above = from_double(1.02 * underflow);
+  if (m[CT_KR] > 0 && (world->effects & CT_REFLECTION)) s->kr = from_double(m[CT_KR]);
+  s->is_clear = m[CT_KT] > 0;
+  if (s->is_clear && (world->effects & CT_REFRACTION)) s->kt = from_double(m[CT_KT]);
+  s->has_kr = less(zero, s->kr);
+  s->has_kt = less(zero, s->kt);
+  for (int inside = 0; inside < 2; inside++) {
+    const ct_medium *unused;
+    INDEX index = seen_index(world, NULL, i, inside, NULL, &unused);
+    s->ratio[inside] = quo(one, quo(index.over, index.under));
+  }
+}
+
+static void read_shape(const WORLD *world, size_t i, SHAPE *s) {
+  const double *g = world->view->geometry + i * CT_GEOMETRY_COLUMNS;
+  REAL radius = from_double(g[3]);
+  s->at = v_load(g);
+  s->eye_on = world->frame->eye_on[i];
+  s->is_plane = world->view->kind[i] == CT_PLANE;
+  s->r2 = mul(radius, radius);
+  s->normal = s->is_plane ? world->plane_normal[world->frame->plane_slot[i]] : v_zero();
+}
+
+/* Makes room for the spheres' columns, in whole vectors. */
+static int open_columns(STAGE *stage) {
+  size_t room = stage->n_objects + N_LANES;
+  REAL *columns = calloc(4 * room, sizeof *columns);
+  stage->all = malloc((stage->n_words + 1) * sizeof *stage->all);
+  if (!columns || !stage->all) {
+    free(columns);
+    return 0;
+  }
+  for (size_t i = 0; i < stage->n_objects; i += 64) {
+    size_t n = stage->n_objects - i;
+    stage->all[i / 64] = n >= 64 ? ~UINT64_C(0) : (UINT64_C(1) << n) - 1;
+  }
+  stage->center = (COLUMNS){columns, columns + room, columns + 2 * room};
+  stage->radius = columns + 3 * room;
+  return 1;
+}
+
+static void read_columns(STAGE *stage, size_t i) {
+  const SHAPE *s = stage->shape + i;
+  stage->center.x[i] = s->at.x;
+  stage->center.y[i] = s->at.y;
+  stage->center.z[i] = s->at.z;
+  double radius = stage->world->view->geometry[i * CT_GEOMETRY_COLUMNS + 3];
+  stage->radius[i] = from_double(s->is_plane ? (double)INFINITY : radius);
+}
+
+static void read_lamp(const WORLD *world, size_t j, LAMP *lamp) {
+  const double *light = world->view->lights + j * CT_LIGHT_COLUMNS;
+  lamp->at = v_load(light + 3);
+  lamp->color = v_over(v_load(light), from_double(255));
+  lamp->is_on_a_surface = 0;
+  for (size_t k = 0; k < world->frame->n_lights_on; k++)
+    if (world->frame->lights_on[k].light == j) lamp->is_on_a_surface = 1;
+}
+
+static void FN(close_stage)(void *opaque) {
+  STAGE *stage = opaque;
+  if (!stage) return;
+  if (stage->world) FN(close)(stage->world);
+  free(stage->shape);
+  free(stage->surface);
+  free(stage->lamp);
+  free(stage->center.x);
+  free(stage->all);
+  free(stage);
+}
+
+static ct_status FN(open_stage)(const ct_frame *frame, void **out) {
+  STAGE *stage = calloc(1, sizeof *stage);
+  if (!stage) return CT_ERR_MEMORY;
+  void *world = NULL;
+  ct_status status = FN(open)(frame, &world);
+  const ct_scene_view *view = &frame->view;
+  stage->world = world;
+  stage->n_objects = view->n_objects;
+  stage->n_lamps = view->n_lights;
+  stage->n_words = (view->n_objects + 63) / 64;
+  stage->shape = malloc((view->n_objects + 1) * sizeof *stage->shape);
+  stage->surface = malloc((view->n_objects + 1) * sizeof *stage->surface);
+  stage->lamp = malloc((view->n_lights + 1) * sizeof *stage->lamp);
+  int has_columns = open_columns(stage);
+  if (!status && (!stage->shape || !stage->surface || !stage->lamp || !has_columns))
+    status = CT_ERR_MEMORY;
+  if (status) {
+    FN(close_stage)(stage);
+    return status;
+  }
+  for (size_t i = 0; i < view->n_objects; i++) {
+    read_shape(world, i, stage->shape + i);
+    read_surface(world, i, stage->surface + i);
+    read_columns(stage, i);
+  }
+  for (size_t j = 0; j < view->n_lights; j++) read_lamp(world, j, stage->lamp + j);
+  stage->has_lights = view->delivery > 1;
+  stage->has_scatter = view->delivery > 2;
+  stage->background = background(world);
+  int misses_black = stage->world->choice[CT_MISS] == CT_MISS_BLACK;
+  stage->missed = misses_black ? v_zero() : stage->background;
+  int ends_black = stage->world->choice[CT_EXHAUSTED] == CT_EXHAUSTED_BLACK;
+  stage->exhausted = ends_black ? v_zero() : stage->background;
+  stage->ends_lit = !ends_black;
+  *out = stage;
+  return CT_OK;
+}
