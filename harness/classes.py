@@ -26,9 +26,9 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness.unexplained import Unexplained
 from crosstrace.translators.ledger import Arithmetic, Emulation, Ledger
 from crosstrace.translators.native.truth import Enclosures
+from crosstrace.translators.native.unexplained import Unexplained
 from crosstrace.translators.scene import Scene
 
 #: Roundings of a colour that count as quantisation: sums of some lights, products of bounces.
@@ -101,18 +101,19 @@ def classify(
     fits = fits_enclosure(truth, values, slack) & finite
     classes[fits & ~truth.undecidable] = Class.EQUAL
     classes[fits & truth.undecidable] = Class.UNDECIDABLE
+    differing = np.flatnonzero(~fits & finite)
     left = Unexplained(
-        np.flatnonzero(~fits & finite), values.reshape(-1, 3), slack.ravel(), ledger.arithmetic,
+        differing, values.reshape(-1, 3)[differing], slack.ravel()[differing], ledger.arithmetic,
         threads,
     )  # fmt: skip
     flat = classes.reshape(-1)
     meanings = [Emulation(scene, readings or {})]
     if ledger.emulation is not None:
         meanings.append(ledger.emulation)
-        flat[left.take_enclosed(ledger.emulation)] = Class.MODEL
+        flat[differing[left.take_enclosed(ledger.emulation)]] = Class.MODEL
     for found, meaning in left.take_rounded(meanings):
-        flat[found] = Class.MODEL if meaning else Class.ROUNDING
-    flat[left.take_possible(meanings)] = Class.SUSPECT
+        flat[differing[found]] = Class.MODEL if meaning else Class.ROUNDING
+    flat[differing[left.take_possible(meanings)]] = Class.SUSPECT
     # Which of the possible values rounding led to is open where truth itself is.
     flat[(flat == Class.ROUNDING) & truth.undecidable.ravel()] = Class.UNDECIDABLE
     at_one = float(tolerance(np.ones(3), ledger.arithmetic, half_step))
