@@ -32,7 +32,9 @@ static REAL nudged_distance(const WORLD *world, ct_pixel *pixel, const RAY *ray,
     REAL other = magnitude(sub(add(b, b), t));
     if (less(t, other)) scale = add(scale, quo(add(v_dot(f, f), mul(r, r)), other));
   }
-  REAL u = signed_unit(ct_tree_mix(pixel->stream, pixel->n_draws++));
+  /* Drawn by the root itself: two surfaces that are textually the same stay an exact tie. */
+  union { double value; uint64_t bits; } root = {to_double(t)};
+  REAL u = signed_unit(ct_tree_mix(ct_tree_mix(pixel->stream, pixel->n_draws), root.bits));
   return add(t, mul(mul(from_double(pixel->error), scale), u));
 }
 
@@ -54,6 +56,7 @@ static inline VEC sum_scale(const ct_pixel *pixel, VEC a, VEC b) {
 
 /* Moves a hit, and with it the normal of a sphere. */
 static inline void nudge_hit(const WORLD *world, ct_pixel *pixel, const RAY *ray, HIT *hit) {
+  pixel->n_draws++; /* the distances' draw */
   if (hit->object < 0 || !(pixel->error > 0)) return;
   hit->point = nudged(pixel, hit->point, sum_scale(pixel, ray->origin, hit->point));
   hit->normal = object_normal(world, (size_t)hit->object, hit->point);

@@ -72,10 +72,20 @@ class Envelope:
 
         The share of the samples whose tree occurs once (Good 1953, after Turing).
         """
+        return self.unseen_among(self.trees.shape[1] - 1)
+
+    def unseen_among(self, m: int) -> Floats:
+        """The estimated chance (n,) that one more sample has a tree not met by m others, m < K.
+
+        A tree that occurs c times among the K is held by one of them and missed by m of the other
+        K - 1 with the chance c/K * C(K - c, m) / C(K - 1, m).
+        """
         n, count = self.trees.shape
         owner, starts, order = self._groups()
-        once = np.diff(starts, append=len(order)) == 1
-        return np.bincount(owner[once], minlength=n) / max(count, 1)
+        c = np.arange(1, count)
+        missed = np.cumprod(np.maximum(count - c - m, 0) / np.maximum(count - c, 1))
+        chance = np.concatenate(([0.0, 1.0], missed)) * np.arange(count + 1) / max(count, 1)
+        return np.bincount(owner, chance[np.diff(starts, append=len(order))], minlength=n)
 
     def _groups(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
         """Sort all samples by pixel and tree: the pixel and the start of each group, the order."""

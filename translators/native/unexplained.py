@@ -86,8 +86,8 @@ class Unexplained:
 
         Where rounding decides so many shadows that a new ray tree comes with every other sample,
         no number of samples meets all of them. There the hull of the samples explains a value,
-        unless the values of these pixels miss the trees that were met oftener than the samples
-        themselves do: then the image is not one that rounding made.
+        unless the values of these pixels miss the trees that were met oftener than samples would:
+        then the image is not one that rounding made.
         """
         hopeless = np.zeros((len(meanings), len(self._pixels)), np.bool_)
         last_first = list(reversed(range(len(meanings))))
@@ -149,15 +149,19 @@ class Unexplained:
         return seen, seen.contains(self._values[part], slack=self._room[part])
 
     def _are_as_often_unmet_as_samples(self, meaning: Emulation, items: Items) -> bool:
-        """Whether the values lie in no tree's box about as often as a new sample would.
+        """Whether the values lie in no tree's box about as often as samples would, left as they.
 
-        More than two standard deviations beyond the expected number is too often.
+        These values have been missed by the samples of all passes, so that they are rare ones:
+        that a sample which those missed is missed by as many as `LAST`, too, has the ratio of the
+        two chances. More than three standard deviations beyond the expected number is too often.
         """
         if not len(items):
             return False
         seen, inside = self._sampled(meaning, items, LAST)
-        expected = float(seen.unseen.sum())
-        return bool((~inside).sum() <= 1 + expected + 2 * np.sqrt(expected))
+        rare = seen.unseen_among(sum(PASSES))
+        still = np.divide(seen.unseen, rare, out=np.zeros(len(items)), where=rare > 0)
+        spread_of_it = np.sqrt((still * (1 - still)).sum())
+        return bool((~inside).sum() <= 1 + still.sum() + 3 * spread_of_it)
 
     def _ruled_out(self, meaning: Emulation, items: Items) -> Flags:
         """Say where no value that rounding can make lies near the given one, rigorously."""
