@@ -139,12 +139,15 @@ def _judged_lane(entry: Mapping[str, Any], judged: Mapping[str, Any] | None) -> 
             "classes": dict.fromkeys(NAMES),
             "tolerance": None,
             "regions": [],
+            "declared": [],
         }
         return {**entry, **nothing, "n_regions": None}
     images = dict(entry["images"])
     if judged["image"] is not None:
         images["classes"] = judged["image"]
-    kept = {key: judged[key] for key in ("classes", "tolerance", "regions", "n_regions")}
+    kept = {
+        key: judged[key] for key in ("classes", "tolerance", "regions", "n_regions", "declared")
+    }
     return {**entry, **kept, "images": images}
 
 

@@ -85,7 +85,8 @@ class Envelope:
         c = np.arange(1, count)
         missed = np.cumprod(np.maximum(count - c - m, 0) / np.maximum(count - c, 1))
         chance = np.concatenate(([0.0, 1.0], missed)) * np.arange(count + 1) / max(count, 1)
-        return np.bincount(owner, chance[np.diff(starts, append=len(order))], minlength=n)
+        sizes = np.diff(starts, append=len(order))
+        return np.asarray(np.bincount(owner, chance[sizes], minlength=n), np.float64)
 
     def _groups(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
         """Sort all samples by pixel and tree: the pixel and the start of each group, the order."""
