@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.translators.ledger import Ledger
+from crosstrace.translators.sampling import CENTRE, Sampling
 from crosstrace.translators.scene import Scene
 
 #: What a renderer does, in the order of the data: where two can be right or wrong for one reason.
@@ -60,7 +61,8 @@ class RenderOptions:
     `threads` 0: all cores that this process may use. `readings` names another interpretation of the
     specification (`readings.py`); only `native` takes every one. `effects` None: what the scene
     calls for (`effects.py`). `timeout_s` bounds an external program; None: no bound. `layers` asks
-    for the side outputs of a renderer that has them.
+    for the side outputs of a renderer that has them. `sampling` says how a pixel is sampled
+    (`sampling.py`); `tuning` sets what only this renderer has, by its own names.
     """
 
     threads: int = 0
@@ -69,6 +71,8 @@ class RenderOptions:
     effects: frozenset[str] | None = None
     timeout_s: float | None = None
     layers: bool = False
+    sampling: Sampling = CENTRE
+    tuning: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass

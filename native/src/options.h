@@ -61,6 +61,7 @@ struct ct_options {
   ct_instructions instructions; /* the most that may be used */
   unsigned effects, n_threads;
   uint64_t ray_budget;
+  uint64_t jitter; /* seed; 0: through the centre of each pixel */
   int64_t row_begin, row_end;
 };
 

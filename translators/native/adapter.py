@@ -12,6 +12,7 @@ from crosstrace.translators import readings as readings_of_the_specification
 from crosstrace.translators.effects import effects, mask
 from crosstrace.translators.errors import RendererError, UnsupportedSceneError, UsageError
 from crosstrace.translators.ledger import Arithmetic, Entry, Ledger
+from crosstrace.translators.native.samples import sampled
 from crosstrace.translators.renderer import (
     Capabilities,
     Probe,
@@ -21,6 +22,7 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
+from crosstrace.translators.sampling import CENTRE
 from crosstrace.translators.scene import Scene
 
 #: The terms of `contributions`, in order: they add up to the image.
@@ -109,17 +111,27 @@ class Native:
         wanted = (
             effects(scene, options.readings).overall if called_for is None else mask(called_for)
         )
-        outputs = _outputs(scene, options)
+        is_sampled = options.sampling != CENTRE
+        if is_sampled and options.layers:
+            raise UsageError(f"side outputs are of a pixel's centre, found {options.sampling}")
+        if options.tuning:
+            raise UsageError(f"native has readings alone, found {', '.join(options.tuning)}")
+        outputs = {} if is_sampled else _outputs(scene, options)
         settings = [*options.readings.items(), ("precision", options.precision),
                     ("threads", str(options.threads)), ("effects", str(wanted))]  # fmt: skip
         translated = time.perf_counter()
         try:
-            rays = _core.render(scene.native_view(), settings, outputs, progress)
+            if is_sampled:
+                outputs["image"], rays = sampled(scene, settings, options.sampling, progress)
+            else:
+                rays = _core.render(scene.native_view(), settings, outputs, progress)
         except (RuntimeError, ValueError) as error:
             raise RendererError(f"native: {error}") from None
         seconds = Seconds(0.0, translated - started, time.perf_counter() - translated)
         record: dict[str, Any] = {"precision": options.precision, "rays": rays,
                                   "readings": dict(options.readings)}  # fmt: skip
+        if is_sampled:
+            record["sampling"] = str(options.sampling)
         image = outputs.pop("image")
         return Rendering(image, seconds, settings=record, layers=outputs)
 
