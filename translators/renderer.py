@@ -45,13 +45,15 @@ class Capabilities:
     """The limits of a renderer (None: no limit of its own), and whose code it is.
 
     `stages` names who does each of `STAGES`, where that is not the renderer itself: two renderers
-    with the same name there are one witness, not two.
+    with the same name there are one witness, not two. `samples` says whether it takes a `sampling`
+    other than a pixel's centre.
     """
 
     max_objects: int | None = None
     max_depth: int | None = None
     max_pixels: int | None = None
     stages: Mapping[str, str] = field(default_factory=dict)
+    samples: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,8 +81,8 @@ class RenderOptions:
 class Seconds:
     """Wall time of the stages of one rendering, in seconds.
 
-    `startup` is what a first image of this renderer pays (imports, probing, a program's start) and
-    later ones in the same process do not; it is 0 for them.
+    `startup` is what is paid apart from the image: imports and probing, by the first image of a
+    process alone, and the start and end of an external program, by every image.
     """
 
     startup: float = 0.0

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
               help=".npy, .npz (float64), .exr, .pfm (float32), .png or .ppm (8-bit).")  # fmt: skip
 @options.settings
 @options.precision
+@options.max_depth
+@options.sampling
+@options.tuning
 @click.option("--aov", is_flag=True, help="Add native's side outputs to an .npz: object, t, "
               "normal, tree, rays, contributions.")  # fmt: skip
 @click.option("--certify", is_flag=True,
@@ -40,6 +43,9 @@ def command(
     output: Path,
     settings: tuple[str, ...],
     precision: str,
+    max_depth: int | None,
+    sampling: str,
+    tuning: tuple[str, ...],
     aov: bool,
     certify: bool,
     size: tuple[int, int] | None,
@@ -55,14 +61,17 @@ def command(
     native's.
     """
     from crosstrace.harness import alone, images
+    from crosstrace.translators import sampling as samplings
+    from crosstrace.translators.readings import split
     from crosstrace.translators.renderer import RenderOptions
 
     lane = options.one_lane(lane)
     rule, readings = options.split_settings(settings)
     _check(lane, output, rule, {"--aov": aov, "--certify": certify,
                                 f"--precision {precision}": precision != "f64"})  # fmt: skip
-    source = options.one_scene(scene, delivery, size)
-    how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov)
+    source = options.deepened(options.one_scene(scene, delivery, size), max_depth)
+    how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov,
+                        sampling=samplings.parse(sampling), tuning=split(tuning))  # fmt: skip
     with console.progress(quiet, f"{source.name} by {lane}", counted=False) as bar:
         made, peak_mib = alone.render(
             lane, source.scene, how, progress=lambda share: bar.update(share, 1.0)

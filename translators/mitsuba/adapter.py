@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from crosstrace.translators import readings
 from crosstrace.translators.effects import effects
-from crosstrace.translators.errors import RendererError
+from crosstrace.translators.errors import RendererError, UsageError
 from crosstrace.translators.ledger import Ledger
 from crosstrace.translators.mitsuba import document, fidelity, first_delivery, runtime
 from crosstrace.translators.mitsuba import probe as probing
@@ -32,6 +32,7 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
+from crosstrace.translators.sampling import only_centre
 from crosstrace.translators.scene import Scene
 
 
@@ -87,6 +88,11 @@ class _Mitsuba:
 
     def _called_for(self, scene: Scene, options: RenderOptions) -> frozenset[str]:
         readings.only_default(options.readings, self.name)
+        only_centre(options.sampling, self.name)
+        if options.tuning:
+            raise UsageError(
+                f"{self.name} has no settings of its own, found {', '.join(options.tuning)}"
+            )
         asked = options.effects
         called_for = frozenset(effects(scene).names) if asked is None else frozenset(asked)
         fidelity.refuse(self.name, scene, called_for, self.capabilities, self.magnitudes)
