@@ -26,7 +26,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 74, 24, 58, 78
 #: Kind → its colour and dashes.
 LINES = {
     "rounding": ("#0072b2", ""),
-    "certified": ("#009e73", "1 4"),
+    "certified": ("#7f3c8d", "1 4"),
     "model": ("#cc79a7", "2 3 8 3"),
     "offset": ("#e69f00", "8 3"),
     "pruning": ("#56b4e9", "12 3 2 3"),
