@@ -113,7 +113,7 @@ def _print(todo: list[Entry], advice: str, output: Path | None, quiet: bool) -> 
     for entry in todo:
         if not quiet:
             rows, columns, _ = entry.scene.shape
-            console.result(f"{entry.source.name}, {rows}x{columns}. {LEGEND}")
+            console.result(f"{entry.source.name}, {rows}x{columns}\n{LEGEND}")
             for table in tables(entry):
                 console.result(f"\n{table.title}")
                 console.table(HEADER, table.rows, right=NUMBERS)

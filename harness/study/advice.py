@@ -22,6 +22,8 @@ _AGAINST = {
     "average": "the converged average",
 }  # fmt: skip
 
+_ARTICLE = {"max": "a", "rmse": "an", "p999": "a"}
+
 
 @dataclass(frozen=True)
 class Wish:
@@ -75,7 +77,7 @@ def advise(points: Sequence[Mapping[str, Any]], wish: Wish) -> Advice:
     else:
         assert wish.want is not None
         want = wish.want
-        aim = f"For a {metric} of at most {want:.3g} against {against}"
+        aim = f"For {_ARTICLE[wish.metric]} {metric} of at most {want:.3g} against {against}"
         fitting = [i for i in known if error(i) <= want]
         best = _cheapest(points, fitting)
         nearest = min(known, key=lambda i: (error(i), seconds(i)))

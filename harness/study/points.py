@@ -108,7 +108,7 @@ class Point:
     def options(self, threads: int, timeout_s: float | None) -> RenderOptions:
         """Return how its renderer is asked for it."""
         readings = {"epsilon": self.epsilon} if self.epsilon else {}
-        more = {"tolerance": self.tolerance} if self.tolerance else {}
+        more: dict[str, Any] = {"tolerance": self.tolerance} if self.tolerance else {}
         return RenderOptions(threads, readings, self.precision, timeout_s=timeout_s,
                              sampling=self.sampling, tuning=self.tuning, **more)  # fmt: skip
 
@@ -136,9 +136,11 @@ def prunes() -> bool:
 
 def bounces(scene: Scene) -> bool:
     """Say whether a scene sends secondary rays where its depth allows it."""
+    if scene.delivery < 3:
+        return False
     deeper = replace(scene, max_depth=max(1, scene.max_depth), checked=False)
     found = effects(deeper).names
-    return scene.delivery == 3 and bool({"reflection", "refraction", "total_reflection"} & {*found})
+    return bool({"reflection", "refraction", "total_reflection"} & {*found})
 
 
 def plan(

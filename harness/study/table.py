@@ -67,10 +67,10 @@ def _row(point: dict[str, Any]) -> tuple[str, ...]:
 
 
 def time_text(seconds: float) -> str:
-    """Write a time in at most six characters: 4.1ms, 231ms, 1.23s."""
+    """Write a time in few characters: 4.1ms, 0.123ms, 231ms, 1.23s."""
     if seconds < 0.9995:
         return f"{1e3 * seconds:.3g}ms"
-    return f"{seconds:.3g}s"
+    return f"{seconds:.3g}s" if seconds < 999.5 else f"{seconds:.0f}s"
 
 
 def _short(value: float | None) -> str:

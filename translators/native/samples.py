@@ -10,7 +10,6 @@ something is smaller than their distance.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,7 @@ CONTRAST = 0.02
 _AT_ONCE = 1 << 21
 
 #: Settings of the native tracer, as `_core.render` takes them.
-Settings = Sequence[tuple[str, str]]
+Settings = list[tuple[str, str]]
 
 
 def sampled(
