@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import time
@@ -13,6 +14,7 @@ from small_runs import EMPTY, entry_of, run_options
 from crosstrace.harness.outcome import exit_status
 from crosstrace.harness.schedule import Event
 from crosstrace.harness.session import run
+from crosstrace.translators import leftovers
 from crosstrace.translators.errors import UsageError
 from crosstrace.translators.scene import Scene
 
@@ -109,6 +111,18 @@ def test_an_observer_that_raises_ends_the_run_and_leaves_nothing(
     with pytest.raises(KeyboardInterrupt):
         run([scene], tmp_path / "out", run_options(PLAIN), interrupt)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_killed_run_left_goes_with_the_next_one(scene: Scene, tmp_path: Path) -> None:
+    """Its half-built report stands where the directory is; nothing was written to it for long."""
+    left = tmp_path / "out/.crosstrace-report-killed_1"
+    left.mkdir(parents=True)
+    then = time.time() - 2 * leftovers.QUIET_S
+    os.utime(left, (then, then))
+    run([scene], tmp_path / "out", run_options(PLAIN))
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "images", "report.html", "report.json",
+    }  # fmt: skip
 
 
 def test_an_interrupted_process_leaves_at_once_although_a_renderer_hangs(tmp_path: Path) -> None:
