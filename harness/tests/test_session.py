@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -161,14 +160,11 @@ def test_the_empty_scene_is_its_background_in_every_lane(tmp_path: Path) -> None
         assert np.abs(pixels - np.array([0, 128, 255]) / 255).max() <= 1e-5
 
 
-@pytest.mark.skipif(
-    "CROSSTRACE_COURSE" not in os.environ,
-    reason="CROSSTRACE_COURSE does not name a folder of the course's official scenes",
-)
-def test_the_official_scenes_go_through_every_lane_to_a_report(tmp_path: Path) -> None:
+def test_the_official_scenes_go_through_every_lane_to_a_report(
+    official: Path, tmp_path: Path
+) -> None:
     """Where all renderers are installed, every image is there and the exact lanes agree."""
-    folder = Path(os.environ["CROSSTRACE_COURSE"])
-    scenes = [load(path) for path in sorted(folder.glob("*.txt"))]
+    scenes = [load(path) for path in sorted(official.glob("*.txt"))]
     report = run(scenes, tmp_path / "out", RunOptions(size=(120, 160)))
     assert len(report["scenes"]) == len(scenes) > 0
     for entry in report["scenes"]:
