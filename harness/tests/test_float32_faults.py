@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 from crosstrace.harness.classes import Class, classify
 from crosstrace.harness.faults import scene_edits
 from crosstrace.harness.sources import find_one, packaged_names
-from crosstrace.translators.ledger import Arithmetic, Ledger
+from crosstrace.translators.ledger import Ledger
+from crosstrace.translators.native.adapter import arithmetic
 from crosstrace.translators.native.truth import certify
 from crosstrace.translators.registry import renderer
 from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene
 
-FLOAT32 = Ledger((), Arithmetic(2.0**-24, 2.0, 2.0**-24))
+FLOAT32 = Ledger((), arithmetic("f32"))
 FAULTS = {
     "one bounce fewer": scene_edits.one_bounce_fewer,
     "n * 1.001": scene_edits.indices_off,
