@@ -42,7 +42,7 @@ def workspace(directory: Path) -> Iterator[Path]:
 
 def publish(built: Path, directory: Path, report: Mapping[str, Any]) -> Path:
     """Move the images of `built` to `directory`, write record and page; return the page's path."""
-    page = draw.page(report)
+    page = draw.page(report, built)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         stale = _files_of(directory / JSON_NAME)
@@ -66,8 +66,9 @@ def _files_of(path: Path) -> set[Path]:
     """Return the images that an earlier report in the same place says are its own."""
     try:
         earlier = record.loads(path)
-        entries = [e for s in earlier["scenes"] for e in (*s["renderers"], *s["pairs"])]
-        names = [Path(image["file"]) for entry in entries for image in entry["images"].values()]
+        entries = [e for s in earlier["scenes"] for e in (s, *s["renderers"], *s["pairs"])]
+        images = [image for entry in entries for image in entry.get("images", {}).values()]
+        names = [Path(image["file"]) for image in images]
     except (UsageError, KeyError, TypeError, AttributeError):
         return set()
     return {n for n in names if n.parts[:1] == ("images",) and ".." not in n.parts}

@@ -213,7 +213,11 @@ class Session:
 
         places = {lane: self._place(i, self._files[lane]) for lane in self._lanes}
         readings = dict(settings.options.readings)
-        arguments = (readings, exhibits, settings.options.threads, places, package_version())
+        # No lane's file can be called so.
+        common = self._place(i, "_scene")
+        arguments = (
+            readings, exhibits, settings.options.threads, places, package_version(), common
+        )  # fmt: skip
         self._submit(task, (source.scene, *arguments), then)
 
     def _on_judged(self, i: int, made: dict[str, Any], news: bool = True) -> None:

@@ -70,6 +70,7 @@ def run(
             events or (lambda _: None), options.tolerance,
         )  # fmt: skip
         report = Session(from_scenes(scenes, options.size), settings, pool).run()
-        report["run"] |= {"jobs": slots, "seconds": time.perf_counter() - started}
+        size = list(options.size) if options.size else None
+        report["run"] |= {"jobs": slots, "size": size, "seconds": time.perf_counter() - started}
         publish(built, Path(out), report)
     return report

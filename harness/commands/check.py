@@ -17,8 +17,7 @@ from crosstrace.harness.commands import options
 @options.reference
 @click.option("-o", "--output", metavar="DIR", type=click.Path(path_type=Path),
               help="Keep the report of this run, and check.json.")  # fmt: skip
-@click.option("--junit", metavar="FILE", type=click.Path(path_type=Path),
-              help="Write the outcome as JUnit XML.")  # fmt: skip
+@options.junit
 @options.renderers
 @options.scene_options
 @options.threads

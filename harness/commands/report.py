@@ -34,7 +34,7 @@ def _draw(report: dict[str, object], file: Path) -> str:
     from crosstrace.translators.errors import UsageError
 
     try:
-        return draw.page(report)
+        return draw.page(report, file.parent)
     except (jinja2.TemplateError, LookupError, TypeError, ValueError, AttributeError) as error:
         # The page trusts the record; a file that says it is one may have been edited.
         raise UsageError(f"{file}: expected a whole record, found: {error!r}") from error

@@ -52,7 +52,8 @@ def command(
     from crosstrace.translators import readings
 
     lanes = chosen(renderers)
-    how = RunOptions(lanes, jobs or 0, threads, timeout, readings.parse(settings), precision)
+    how = RunOptions(lanes, jobs or 0, threads, timeout, readings.parse(settings), precision,
+                     size, tolerance)  # fmt: skip
     sources = find(scenes, delivery=delivery, size=size)
     with console.progress(quiet, f"scenes: {len(sources)}, renderers: {', '.join(lanes)}") as bar:
         report = run(sources, output, how, events=console.observer(bar))

@@ -110,6 +110,23 @@ class Enclosures:
         answer[self.undecidable] = (fits & listed).any(axis=-1)
         return answer
 
+    def distance(self, image: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far each pixel's value lies outside of what is possible, in its worst channel.
+
+        0 inside the enclosure, or inside an alternative of an undecidable pixel (otherwise from the
+        nearest one), and where there is no enclosure; ∞ for a value that is not a number.
+        """
+        far = np.maximum(np.maximum(self.lo - image, image - self.hi), 0.0).max(axis=-1)
+        value = image[self.undecidable][:, None, :]
+        lo, hi = self.alternatives[:, :, 0], self.alternatives[:, :, 1]
+        each = np.maximum(np.maximum(lo - value, value - hi), 0.0).max(axis=-1)
+        listed = np.arange(MAX_ALTERNATIVES) < self.n_alternatives[:, None]
+        nearest = np.where(listed, each, np.inf).min(axis=-1)
+        far[self.undecidable] = np.where(self.n_alternatives > 0, nearest, far[self.undecidable])
+        far[~np.isfinite(self.lo).all(axis=-1)] = 0.0
+        far[~np.isfinite(image).all(axis=-1)] = np.inf
+        return np.asarray(far)
+
 
 def certify(
     scene: Scene,

@@ -1,0 +1,134 @@
+"""The pixels of a scene that a report shows exactly: values of all lanes, enclosure, ray tree.
+
+Only pixels that differ are of interest, and a report cannot hold them all: each lane's regions of
+unexplained pixels come first, then in turn the furthest pixels of each class of each lane, from
+`wrong` down to `rounding`, and the furthest from the reference. What was left out is counted.
+`record` documents the file that holds them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice, zip_longest
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosstrace.harness import record as records
+from crosstrace.harness.classes import NAMES, Class
+from crosstrace.harness.explain import enclosure_at, enclosure_record, ray_record
+from crosstrace.translators.errors import RendererError
+from crosstrace.translators.native import truth
+from crosstrace.translators.native.explain import Ray, explain
+from crosstrace.translators.scene import Scene
+
+if TYPE_CHECKING:
+    from crosstrace.harness.judging import Judgement
+
+SCHEMA = "crosstrace-pixels/1"
+
+#: Pixels of a scene that are kept, the first of them with their ray trees, each so far.
+MOST_PIXELS, MOST_TREES, MOST_RAYS = 240, 80, 120
+
+#: The furthest pixels from the reference, of each lane, whatever their class.
+_FURTHEST = 8
+
+_OF_RAY = ("kind", "parent", "depth", "object", "light", "inside", "weight", "t_world",
+           "light_distance", "margin", "margin_decision", "margin_object", "clearance")  # fmt: skip
+
+
+def record(
+    scene: Scene,
+    images: Mapping[str, NDArray[np.float64]],
+    judged: Judgement,
+    far: Mapping[str, NDArray[np.float64]],
+    readings: Mapping[str, str],
+    threads: int = 0,
+) -> dict[str, Any]:
+    """Return the pixels to show of some lanes' images (v_res, h_res, 3), JSON-ready.
+
+    `far` is how far each pixel of a lane lies outside of what is possible. The keys: `schema`;
+    `beyond`, how many pixels are not `equal` in every lane; `pixels[]`: `row`, `col`, `object` (first hit; -1: none, null: no tree), `enclosure` as in
+    `crosstrace explain --json`, `lanes` by name {`value` [r, g, b], `class`, `off`: how far outside
+    of what is possible}, and `tree`, null beyond the first `MOST_TREES`: {`n_rays`, `rays[]`: the
+    first of them, of six significant digits}. What is not there is null.
+    """
+    lists = list(_lists(images, judged, far))
+    chosen = _in_turn(lists, MOST_PIXELS)
+    known = truth.certify(scene, readings, pixels=np.array(chosen, np.int64), threads=threads)
+    pixels = []
+    for i, at in enumerate(chosen):
+        row, col = divmod(at, scene.h_res)
+        tree = _tree(scene, row, col, readings) if i < MOST_TREES else None
+        pixels.append({
+            "row": row,
+            "col": col,
+            "object": tree["rays"][0]["object"] if tree else None,
+            "enclosure": enclosure_record(enclosure_at(known, i)),
+            "lanes": {
+                lane: {
+                    "value": image[row, col].tolist(),
+                    "class": NAMES[judged.classified[lane].classes[row, col]],
+                    "off": float(far[lane][row, col]),
+                }
+                for lane, image in images.items()
+            },
+            "tree": tree,
+        })  # fmt: skip
+    beyond = np.zeros(scene.shape[:2], bool)
+    for classified in judged.classified.values():
+        beyond |= classified.classes != Class.EQUAL
+    made = {"schema": SCHEMA, "beyond": int(np.count_nonzero(beyond)), "pixels": pixels}
+    plain: dict[str, Any] = json.loads(records.dumps(made))
+    return plain
+
+
+def _lists(
+    images: Mapping[str, NDArray[np.float64]],
+    judged: Judgement,
+    far: Mapping[str, NDArray[np.float64]],
+) -> Iterator[Sequence[int]]:
+    """Yield lists of pixels (row * h_res + column), each in the order of its interest."""
+    first = next(iter(images.values()))
+    columns = first.shape[1]
+    for regions, _ in judged.found.values():
+        yield [region.row * columns + region.column for region in regions]
+    for kind in reversed(Class):
+        if kind == Class.EQUAL:
+            continue
+        for lane, classified in judged.classified.items():
+            inside = np.flatnonzero(classified.classes == kind)
+            yield inside[np.argsort(-far[lane].ravel()[inside], kind="stable")].tolist()
+    for image in images.values():
+        with np.errstate(invalid="ignore"):
+            off = np.nan_to_num(np.abs(image - first).max(axis=-1), nan=np.inf).ravel()
+        furthest = np.argsort(-off, kind="stable")[:_FURTHEST]
+        yield [int(at) for at in furthest if off[at] > 0]
+
+
+def _in_turn(lists: Sequence[Sequence[int]], count: int) -> list[int]:
+    """Take one of each list in turn, none twice."""
+    turns = (at for turn in zip_longest(*lists) for at in turn if at is not None)
+    return list(islice(dict.fromkeys(turns), count))
+
+
+def _tree(
+    scene: Scene, row: int, col: int, readings: Mapping[str, str]
+) -> dict[str, Any] | None:
+    try:
+        tree = explain(scene, row, col, readings, max_rays=MOST_RAYS)
+    except RendererError:
+        return None
+    return {"n_rays": tree.n_rays, "rays": [_ray(ray) for ray in tree.rays]}
+
+
+def _ray(ray: Ray) -> dict[str, Any]:
+    whole = ray_record(ray)
+    kept = {name: _short(whole[name]) for name in _OF_RAY}
+    return kept | {"adds": [_short(channel) for channel in ray.contribution]}
+
+
+def _short(value: Any) -> Any:
+    return float(f"{value:.6g}") if isinstance(value, float) else value
