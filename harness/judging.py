@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -161,15 +162,11 @@ def _show(
     objects = loaded(REFERENCE).render(scene, options).layers["object"]
     maps.write(common.file(".objects.npz"), {"object": objects.astype(np.int32)})
     pixels = witnesses.record(scene, lanes, found, far, readings, threads)
-    text = record.dumps(pixels)
+    content = record.dumps(pixels).encode()
     images.write_atomically(
-        common.file(".pixels.json"), lambda path: _save(path, text)
+        common.file(".pixels.json"), partial(images.save_bytes, content=content)
     )
     return {"objects": common.entry(".objects.npz"), "pixels": common.entry(".pixels.json")}
-
-
-def _save(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
 
 
 def _excess(classified: Classified, far: Array) -> dict[str, dict[str, Any]]:

@@ -56,7 +56,7 @@ def digits(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.uint8]:
     codes = np.clip(np.nan_to_num(lost, nan=0.0), 0, ALL_DIGITS - 1)
     codes[off == 0] = ALL_DIGITS
     codes[~np.isfinite(off)] = UNDEFINED
-    return codes.astype(np.uint8)
+    return np.asarray(codes, np.uint8)
 
 
 def unlike(similarity: NDArray[np.float64]) -> NDArray[np.uint8]:
@@ -71,7 +71,8 @@ def unlike(similarity: NDArray[np.float64]) -> NDArray[np.uint8]:
 def _steps(magnitude: NDArray[np.float64], least: int) -> NDArray[np.int64]:
     with np.errstate(divide="ignore", invalid="ignore"):
         steps = np.floor(STEPS * (np.log10(magnitude) - least)) + 1
-    return np.clip(np.nan_to_num(steps, nan=1, posinf=MOST, neginf=1), 1, MOST).astype(np.int64)
+    whole = np.nan_to_num(steps, nan=1, posinf=MOST, neginf=1)
+    return np.asarray(np.clip(whole, 1, MOST), np.int64)
 
 
 def write(path: Path, maps: dict[str, NDArray[Any]]) -> None:

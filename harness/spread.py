@@ -1,4 +1,4 @@
-"""How the differences of an image are spread: counts between fixed edges, for curves and tolerances.
+"""How differences are spread: counts between fixed edges, for curves and tolerances.
 
 The edges are the same in every report, six a decade, so that curves can be laid over each other and
 a tolerance taken from them is a number that can be written down: 1e-16, 1.5e-16, 2e-16, … 1000.

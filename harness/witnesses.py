@@ -50,8 +50,9 @@ def record(
     """Return the pixels to show of some lanes' images (v_res, h_res, 3), JSON-ready.
 
     `far` is how far each pixel of a lane lies outside of what is possible. The keys: `schema`;
-    `beyond`, how many pixels are not `equal` in every lane; `pixels[]`: `row`, `col`, `object` (first hit; -1: none, null: no tree), `enclosure` as in
-    `crosstrace explain --json`, `lanes` by name {`value` [r, g, b], `class`, `off`: how far outside
+    `beyond`, how many pixels are not `equal` in every lane; `pixels[]`: `row`, `col`,
+    `object` (first hit; -1: none, null: no tree), `enclosure` as in `crosstrace explain --json`,
+    `lanes` by name {`value` [r, g, b], `class`, `off`: how far outside
     of what is possible}, and `tree`, null beyond the first `MOST_TREES`: {`n_rays`, `rays[]`: the
     first of them, of six significant digits}. What is not there is null.
     """
@@ -114,9 +115,7 @@ def _in_turn(lists: Sequence[Sequence[int]], count: int) -> list[int]:
     return list(islice(dict.fromkeys(turns), count))
 
 
-def _tree(
-    scene: Scene, row: int, col: int, readings: Mapping[str, str]
-) -> dict[str, Any] | None:
+def _tree(scene: Scene, row: int, col: int, readings: Mapping[str, str]) -> dict[str, Any] | None:
     try:
         tree = explain(scene, row, col, readings, max_rays=MOST_RAYS)
     except RendererError:

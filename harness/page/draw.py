@@ -101,9 +101,7 @@ def _json(value: Any) -> Markup:
     return Markup(text)
 
 
-def _constants(
-    report: Mapping[str, Any], scenes: Iterable[Mapping[str, Any]]
-) -> dict[str, Any]:
+def _constants(report: Mapping[str, Any], scenes: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """Return what the script must know of the scales and the judgement."""
     return {
         "ramp": colormap.ramp_table().tolist(),

@@ -37,7 +37,7 @@ class Payload:
     troubles: list[str] = field(default_factory=list)
 
 
-class _Unusable(Exception):
+class _UnusableError(Exception):
     """A file is not there or not the one that the record names."""
 
 
@@ -63,7 +63,7 @@ def payload(scene: Mapping[str, Any], folder: Path) -> Payload:
             if "classes" in entry["images"]:
                 drawn = _eight_bit(_file(entry["images"]["classes"], folder), shape)
                 lane["classes"] = _packed(colormap.classes_of_picture(drawn))
-        except (_Unusable, UsageError, OSError, ValueError) as error:
+        except (_UnusableError, UsageError, OSError, ValueError) as error:
             made.troubles.append(f"{entry['name']}: {error}")
     made.data |= {"rows": shape[0], "columns": shape[1], "lanes": lanes}
     made.data["maps"] = _maps(scene, folder, made.troubles)
@@ -72,7 +72,7 @@ def payload(scene: Mapping[str, Any], folder: Path) -> Payload:
         if name in scene["images"]:
             try:
                 made.data[name] = read(_file(scene["images"][name], folder), shape)
-            except (_Unusable, OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+            except (_UnusableError, OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
                 made.troubles.append(f"{name}: {error}")
     return made
 
@@ -86,7 +86,7 @@ def _maps(scene: Mapping[str, Any], folder: Path, troubles: list[str]) -> dict[s
         try:
             read = maps.read(_file(pair["images"]["maps"], folder))
             found[pair["b"]] = {name: _packed(_checked(map_, scene)) for name, map_ in read.items()}
-        except (_Unusable, OSError, ValueError, zipfile.BadZipFile) as error:
+        except (_UnusableError, OSError, ValueError, zipfile.BadZipFile) as error:
             troubles.append(f"{pair['a']} and {pair['b']}: {error}")
     return found
 
@@ -122,11 +122,11 @@ def _file(entry: Mapping[str, str], folder: Path) -> Path:
     """Return the file of a record's entry; it must be inside the folder and of that hash."""
     file = folder / entry["file"]
     if not file.resolve().is_relative_to(folder.resolve()):
-        raise _Unusable(f"{entry['file']} is not a file of this report")
+        raise _UnusableError(f"{entry['file']} is not a file of this report")
     if not file.is_file():
-        raise _Unusable(f"{entry['file']} is not there")
+        raise _UnusableError(f"{entry['file']} is not there")
     if images.sha256(file) != entry["sha256"]:
-        raise _Unusable(f"{entry['file']} is not the file that the record names")
+        raise _UnusableError(f"{entry['file']} is not the file that the record names")
     return file
 
 
