@@ -46,8 +46,9 @@
   };
 
   const greatest = (value, first) => {
+    // What is not a number is null in a record.
+    if ([...value, ...first].includes(null)) return "not a number";
     const off = value.map((channel, k) => channel - first[k]);
-    if (off.some((channel) => !Number.isFinite(channel))) return "not a number";
     return short(off.reduce((most, channel) => (Math.abs(channel) > Math.abs(most) ? channel : most), 0));
   };
 
@@ -70,7 +71,7 @@
   const values = (scene, exact) => {
     const rows = scene.lanes.filter((lane) => exact.lanes[lane.name]).map((lane) => {
       const { value } = exact.lanes[lane.name];
-      return el("tr", { "data-value": lane.name }, el("th", {}, lane.name), value.map((channel) => cell(String(channel))));
+      return el("tr", { "data-value": lane.name }, el("th", {}, lane.name), value.map((channel) => cell(channel === null ? "not a number" : String(channel))));
     });
     const known = exact.enclosure;
     const bounds = (name, lo, hi) => [["least", lo], ["greatest", hi]].map(([word, bound]) => el("tr", { class: "bound" },
