@@ -101,12 +101,14 @@ def _lists(
             continue
         for lane, classified in judged.classified.items():
             inside = np.flatnonzero(classified.classes == kind)
-            yield inside[np.argsort(-far[lane].ravel()[inside], kind="stable")].tolist()
+            order = np.argsort(-far[lane].ravel()[inside], kind="stable")
+            yield inside[order[:MOST_PIXELS]].tolist()
     for image in images.values():
         with np.errstate(invalid="ignore"):
             off = np.nan_to_num(np.abs(image - first).max(axis=-1), nan=np.inf).ravel()
-        furthest = np.argsort(-off, kind="stable")[:_FURTHEST]
-        yield [int(at) for at in furthest if off[at] > 0]
+        count = min(_FURTHEST, off.size)
+        furthest = np.argpartition(-off, count - 1)[:count]
+        yield [int(at) for at in sorted(furthest, key=lambda at: -off[at]) if off[at] > 0]
 
 
 def _in_turn(lists: Sequence[Sequence[int]], count: int) -> list[int]:

@@ -31,8 +31,8 @@ from crosstrace.harness.spread import EDGES, TEXTS
 _STYLES = ("report.css", "overview.css", "viewer.css")
 
 #: In the order in which they build on each other.
-_SCRIPTS = ("base.js", "unpack.js", "layers.js", "viewport.js", "inspector.js", "viewer.js",
-            "playground.js", "overview.js")  # fmt: skip
+_SCRIPTS = ("base.js", "unpack.js", "layers.js", "viewport.js", "inspector.js", "input.js",
+            "viewer.js", "playground.js", "overview.js")  # fmt: skip
 
 #: Letters of the classes, in their order: what colour says, they say, too.
 LETTERS = ("", "R", "U", "M", "S", "W")
@@ -41,7 +41,7 @@ LETTERS = ("", "R", "U", "M", "S", "W")
 _ORDER = ("departs", "incomplete", "expected", "explained", "agree")
 
 _SAYING = {
-    "departs": "wrong otherwise than expected",
+    "departs": "not as expected",
     "incomplete": "incomplete",
     "expected": "wrong as expected",
     "explained": "explained",

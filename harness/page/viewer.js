@@ -13,8 +13,8 @@
       this.gain = 0; this.exposure = 0; this.peek = false;
       this.cursor = null; this.locked = false; this.cache = new Map(); this.drawn = new Map();
       this.controls();
-      this.pointer();
-      this.keys();
+      ct.pointer(this);
+      ct.keys(this);
       addEventListener("resize", () => { if (this.scene) { this.view.resize(); this.redraw(); } });
     }
 
@@ -43,11 +43,12 @@
       const pixel = /^(\d+),(\d+)$/.exec(state.pixel || "");
       const known = pixel && { row: Number(pixel[1]), col: Number(pixel[2]) };
       const inside = known && known.row < scene.rows && known.col < scene.columns;
+      this.locked = false;
       if (inside) this.look(known, true);
-      else if (scene.listed.length) this.look(scene.listed[0], true);
-      else this.look({ row: Math.floor(scene.rows / 2), col: Math.floor(scene.columns / 2) }, true);
+      else if (scene.listed.length) this.look(scene.listed[0], false);
+      else this.look({ row: Math.floor(scene.rows / 2), col: Math.floor(scene.columns / 2) }, false);
       this.redraw();
-      this.root.dataset.ready = String(index);
+      this.root.dataset.ready = scene.name;
     }
 
     controls() {
@@ -164,6 +165,7 @@
       const kept = beyond === null ? "" : `${ct.count(listed.length)} pixels with exact values; ${ct.count(beyond)} are not equal in every renderer`;
       byId("listed").textContent = at >= 0 ? `pixel ${at + 1} of ${kept}` : kept;
       if (lock) ct.remember({ pixel: `${pixel.row},${pixel.col}` });
+      byId("hint").textContent = this.locked ? "kept; a click on it follows the mouse again" : "follows the mouse; a click keeps a pixel";
       this.redraw();
     }
 
@@ -175,80 +177,6 @@
       const next = at < 0 ? (by > 0 ? 0 : listed.length - 1) : (at + by + listed.length) % listed.length;
       this.view.reveal(listed[next]);
       this.look(listed[next], true);
-    }
-
-    pointer() {
-      let from = null;
-      const place = (event) => {
-        const box = this.canvas.getBoundingClientRect();
-        return [event.clientX - box.left, event.clientY - box.top];
-      };
-      const nearSplit = (x) => this.view.split !== null && Math.abs(x - this.view.split * this.view.width) < 8;
-      this.canvas.addEventListener("pointerdown", (event) => {
-        const [x, y] = place(event);
-        this.canvas.setPointerCapture(event.pointerId);
-        from = { x, y, moved: false, split: nearSplit(x) };
-      });
-      this.canvas.addEventListener("pointermove", (event) => {
-        if (!this.scene) return;
-        const [x, y] = place(event);
-        if (from) {
-          if (Math.hypot(x - from.x, y - from.y) > 3) from.moved = true;
-          if (!from.moved) return;
-          if (from.split) byId("split").value = String(Math.min(100, Math.max(0, x / this.view.width * 100)));
-          else this.view.panBy(x - from.x, y - from.y);
-          Object.assign(from, { x, y });
-          this.redraw();
-          return;
-        }
-        this.canvas.style.cursor = nearSplit(x) ? "ew-resize" : "crosshair";
-        const pixel = this.view.pixelAt(x, y);
-        if (pixel && !this.locked) this.look(pixel, false);
-      });
-      this.canvas.addEventListener("pointerup", (event) => {
-        const [x, y] = place(event);
-        const pixel = from && !from.moved && this.view.pixelAt(x, y);
-        from = null;
-        if (!pixel) return;
-        const same = this.locked && this.cursor && pixel.row === this.cursor.row && pixel.col === this.cursor.col;
-        this.locked = !same;
-        this.look(pixel, !same);
-      });
-      this.canvas.addEventListener("wheel", (event) => {
-        if (!this.scene) return;
-        event.preventDefault();
-        this.zoom(2 ** (-event.deltaY / 240), ...place(event));
-      }, { passive: false });
-    }
-
-    keys() {
-      const typing = (target) => target.matches && target.matches("input:not([type=range]), select, textarea");
-      document.addEventListener("keydown", (event) => {
-        if (!this.scene || this.root.hidden || event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
-        if (event.key === "Shift") { if (!event.repeat) this.hold(true); return; }
-        // With Shift held the digits type other characters.
-        const digit = /^Digit([1-9])$/.exec(event.code);
-        if (digit && Number(digit[1]) <= this.scene.lanes.length) { this.set({ lane: Number(digit[1]) - 1 }); return; }
-        const does = {
-          "+": () => this.zoom(2), "=": () => this.zoom(2), "-": () => this.zoom(0.5),
-          0: () => byId("fit").click(), n: () => this.step(1), p: () => this.step(-1),
-        }[event.key];
-        if (does) { does(); return; }
-        const move = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
-        if (move && event.target === this.canvas && this.cursor) {
-          event.preventDefault();
-          const { rows, columns } = this.scene;
-          const far = event.shiftKey ? 10 : 1;
-          const pixel = {
-            row: Math.min(rows - 1, Math.max(0, this.cursor.row + move[0] * far)),
-            col: Math.min(columns - 1, Math.max(0, this.cursor.col + move[1] * far)),
-          };
-          this.view.reveal(pixel);
-          this.look(pixel, true);
-        }
-      });
-      document.addEventListener("keyup", (event) => { if (event.key === "Shift") this.hold(false); });
-      addEventListener("blur", () => this.hold(false));
     }
 
     hold(peek) {

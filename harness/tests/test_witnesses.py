@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -148,4 +147,3 @@ def test_distance_is_to_the_nearest_possible_value() -> None:
         for lo, _ in some:
             image[tuple(at)] = lo
             assert known.distance(image)[tuple(at)] == 0
-
