@@ -127,7 +127,7 @@
     const exact = scene.pixels.get(at) || null;
     const object = scene.objects ? scene.objects[at] : null;
     const { start, end } = scene.command;
-    target.replaceChildren(
+    target.replaceChildren(...[
       el("h3", { "data-row": row, "data-col": col }, `Row ${row}, column ${col}`,
         el("span", { class: "soft" }, object === null ? "" : object < 0 ? "shows the background" : `shows object ${object}`)),
       lanes(scene, at, exact),
@@ -137,6 +137,6 @@
       ct.line(`${start} ${row} ${col}${end ? ` ${end}` : ""}`, "command that explains this pixel"),
       ...(exact && exact.tree ? tree(exact)
         : exact ? [el("p", { class: "soft" }, "The ray tree of this pixel is not in this page; the line above shows it.")] : []),
-    );
+    ].filter((child) => child !== null));
   };
 }

@@ -151,8 +151,8 @@
     }
 
     zoom(factor, x, y) {
-      if (x === undefined && this.cursor) this.view.reveal(this.cursor);
-      this.view.zoomBy(factor, x, y);
+      if (x === undefined && this.cursor) this.view.zoomAt(factor, this.cursor);
+      else this.view.zoomBy(factor, x, y);
       this.redraw();
     }
 

@@ -1,7 +1,7 @@
 "use strict";
 // One canvas for all images: every pane shows the same part of the scene at the same size.
 {
-  const LEAST_ZOOM = 0.1, MOST_ZOOM = 64, LETTERS_FROM = 14;
+  const LEAST_ZOOM = 0.1, MOST_ZOOM = 64, LETTERS_FROM = 18;
 
   // Hatching by class: lines at an angle of its own, 0 … 5 as in ct.constants.classes.
   const hatches = [null, [1, 0], [0, 1], [1, 1], [1, -1], [1, 1, 1, -1]];
@@ -86,6 +86,15 @@
       this.zoom = zoom;
     }
 
+    // Zoom so that a pixel stays where it is, after it was brought into view.
+    zoomAt(factor, { row, col }) {
+      this.reveal({ row, col });
+      const r = this.rectangle(0);
+      this.zoomBy(factor, r.left + r.width / 2 + (col + 0.5 - this.x) * this.zoom,
+        r.top + r.height / 2 + (row + 0.5 - this.y) * this.zoom);
+      this.reveal({ row, col });
+    }
+
     panBy(dx, dy) {
       this.x = Math.min(Math.max(this.x - dx / this.zoom, 0), this.scene.columns);
       this.y = Math.min(Math.max(this.y - dy / this.zoom, 0), this.scene.rows);
@@ -130,8 +139,8 @@
       if (pane.image) {
         context.imageSmoothingEnabled = this.zoom * this.ratio < 1;
         context.drawImage(pane.image, ...place);
-        for (const mask of pane.masks || []) this.drawHatch(mask, place);
         if (pane.letters && this.zoom >= LETTERS_FROM) this.drawLetters(pane.letters, r, left, top);
+        else for (const mask of pane.masks || []) this.drawHatch(mask, place);
       } else {
         context.fillStyle = "#aaa"; context.font = "13px system-ui, sans-serif"; context.textAlign = "center";
         context.fillText(pane.nothing || "no image", clip.left + clip.width / 2, clip.top + clip.height / 2);

@@ -163,7 +163,9 @@ def test_names_stay_texts(opened: Opened) -> None:
     """Also those that a script puts in."""
     page = opened.go(f"scene={quote(NASTY, safe='')}")
     assert page.locator("section.scene:not([hidden]) h2").inner_text() == NASTY
-    assert "crosstrace explain" in page.locator("#inspector code").inner_text()
+    # The line to paste gives a shell the name as one word.
+    words = shlex.split(page.locator("#inspector code").inner_text())
+    assert words[:3] == ["crosstrace", "explain", f"{NASTY}.txt"]
     assert page.title().startswith("crosstrace")
     assert page.evaluate("document.querySelectorAll('img[src=x]').length") == 0
 
@@ -241,6 +243,7 @@ def test_the_inspector_shows_the_numbers_of_the_record(opened: Opened) -> None:
         assert [float(cell) for cell in bounds] == pixel["enclosure"]["lo"]
         rays = page.locator("#inspector table.tree tbody tr").count()
         assert rays == len(pixel["tree"]["rays"])
+        assert "null" not in page.locator("#inspector").inner_text()
         page.keyboard.press("n")
 
 
@@ -266,6 +269,25 @@ def test_the_line_to_paste_explains_the_same_pixel(opened: Opened) -> None:
     assert told.returncode == 0, told.stderr
     cells = page.locator('#inspector tr[data-value="native"] td').all_inner_texts()
     assert json.loads(told.stdout)["color"] == [float(cell) for cell in cells]
+
+
+def test_zooming_by_key_keeps_the_pixel_in_view(opened: Opened) -> None:
+    """Where it is near a corner, too; magnified, its colour fills its square."""
+    page = opened.glass(image="native")
+    lane = levels(opened.folder, 0)
+    for row, col in ((0, 0), (ROWS - 1, COLUMNS - 1), (11, 4)):
+        page.evaluate("([row, col]) => ct.viewer.look({ row, col }, true)", [row, col])
+        page.locator("#view").focus()
+        for _ in range(3):
+            page.keyboard.press("+")
+        zoom = page.evaluate("ct.viewer.view.zoom")
+        assert zoom > 40
+        x, y = opened.middle(row, col)
+        width, height = opened.size()
+        assert 0 < x < width and 0 < y < height
+        for dx, dy in ((0, 0), (-0.45, 0.45), (0.45, -0.45)):
+            assert opened.color(x + dx * zoom, y + dy * zoom) == lane[row, col].tolist()
+        page.keyboard.press("0")
 
 
 def test_a_pixel_without_exact_values_says_so(opened: Opened) -> None:
