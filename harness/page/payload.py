@@ -36,6 +36,18 @@ class Payload:
     data: dict[str, Any] = field(default_factory=dict)
     troubles: list[str] = field(default_factory=list)
 
+    @property
+    def size(self) -> int:
+        """How much of the page it takes, in bytes."""
+        return len(self.picture) + len(json.dumps(self.data))
+
+    def reduced(self) -> Payload:
+        """Return only what is small and worth most: the exact pixels, no picture and no map."""
+        lanes = [lane | {"delta": None, "classes": None} for lane in self.data["lanes"]]
+        data = self.data | {"lanes": lanes, "maps": {}, "objects": None}
+        why = "the pictures and maps: the page would be too large; the files beside it have them"
+        return Payload("", data, [*self.troubles, why])
+
 
 class _UnusableError(Exception):
     """A file is not there or not the one that the record names."""

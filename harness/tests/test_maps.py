@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from crosstrace.harness import maps
 
 
-def pair(*differences: float) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[type-arg]
+def pair(*differences: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return two images of one row, the second different by so much in its green channel."""
     a = np.zeros((1, len(differences), 3))
     b = a.copy()

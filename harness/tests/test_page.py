@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from crosstrace.harness.page import draw, plots
+from crosstrace.harness.page.payload import payload
 from crosstrace.harness.session import RunOptions, run
 from crosstrace.harness.sources import Source
 from crosstrace.harness.spread import spread
@@ -172,6 +173,20 @@ def test_files_that_are_not_the_record_s_are_told_and_not_shown(
     assert "images/../../secret.json is not a file of this report" in text
 
 
+def test_a_page_that_would_be_too_large_leaves_pictures_out_and_says_so(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is worth looking at first has its pictures first."""
+    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    whole = draw.page(report, folder)
+    sizes = [payload(scene, folder).size for scene in report["scenes"]]
+    assert "too large" not in whole
+    monkeypatch.setattr(draw, "LARGEST_PAYLOAD", sizes[0])
+    cut = _Reader(draw.page(report, folder))
+    assert cut.text.count("the page would be too large") == 1
+    assert sum(tag == "img" for tag, _ in cut.elements) == 1
+
+
 def test_a_study_is_shown_where_there_is_one(folder: Path) -> None:
     """Its picture as an image, so that no markup of a record gets into the page."""
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
@@ -180,7 +195,8 @@ def test_a_study_is_shown_where_there_is_one(folder: Path) -> None:
              "error": error, "kind": NASTY, "pareto": True}  # fmt: skip
     svg = "<svg xmlns='http://www.w3.org/2000/svg'><script>alert('x')</script></svg>"
     study = {"points": [point], "advice": f"take {NASTY}", "svg": svg}
-    for scenes in (report["scenes"], []):
+    for count in (len(report["scenes"]), 0):
+        scenes = report["scenes"][:count]
         drawn = draw.page({**report, "scenes": scenes, "study": study}, folder)
         read = _Reader(drawn)
         assert f"take {NASTY}" in read.text and "precision=f32" in read.text

@@ -14,7 +14,7 @@ from crosstrace.harness.spread import EDGES, TEXTS, quantile, spread
 
 def above(counted: dict[str, Any], tolerance: float) -> int:
     """Count as the page's script does."""
-    inside = sum(n for text, n in counted["counts"].items() if float(text) > tolerance)
+    inside = sum(int(n) for text, n in counted["counts"].items() if float(text) > tolerance)
     return inside + int(counted["beyond"])
 
 
