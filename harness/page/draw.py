@@ -138,9 +138,12 @@ def _constants(report: Mapping[str, Any], scenes: Iterable[Mapping[str, Any]]) -
 def _judged(scene: Mapping[str, Any]) -> dict[str, Any]:
     """Return what says how a scene would come out under another tolerance."""
     lanes = scene["renderers"]
+    truth = scene["judgement"].get("truth") or {}
     return {
         "name": scene["name"],
         "group": scene["group"],
+        "open": truth.get("undecidable", 0),
+        "violations": truth.get("float128_outside", 0),
         "pixels": scene["v_res"] * scene["h_res"],
         "excess": {lane["name"]: lane["excess"] for lane in lanes},
         "undecidable": {lane["name"]: lane["classes"]["undecidable"] for lane in lanes},

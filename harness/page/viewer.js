@@ -162,7 +162,7 @@
       ct.inspect(byId("inspector"), this.scene, pixel);
       const at = this.scene.listed.findIndex(({ row, col }) => row === pixel.row && col === pixel.col);
       const { beyond, listed } = this.scene;
-      const kept = beyond === null ? "" : `${ct.count(listed.length)} pixels with exact values; ${ct.count(beyond)} are not equal in every renderer`;
+      const kept = beyond === null ? "" : `${ct.count(listed.length)} with exact values; pixels that are not equal in every renderer: ${ct.count(beyond)}`;
       byId("listed").textContent = at >= 0 ? `pixel ${at + 1} of ${kept}` : kept;
       if (lock) ct.remember({ pixel: `${pixel.row},${pixel.col}` });
       byId("hint").textContent = this.locked ? "kept; a click on it follows the mouse again" : "follows the mouse; a click keeps a pixel";

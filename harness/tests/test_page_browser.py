@@ -21,6 +21,7 @@ from command_line import call
 from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
 
 from crosstrace.harness import images
+from crosstrace.harness.page import draw
 from crosstrace.harness.session import RunOptions, run
 from crosstrace.harness.sources import Source, find
 from crosstrace.translators.scene import Scene
@@ -436,6 +437,24 @@ def test_the_tolerance_shows_what_would_pass(opened: Opened) -> None:
     page.reload()
     page.wait_for_selector("body[data-ready]")
     assert page.locator("#tolerance-value").inner_text() == kept
+
+
+def test_no_tolerance_mends_a_broken_reference(
+    browser: Browser, folder: Path, tmp_path: Path
+) -> None:
+    """A scene whose float128 value leaves its enclosure passes with none."""
+    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    for scene in report["scenes"]:
+        if scene["name"] == "sky":
+            scene |= {"verdict": "reference-broken", "blame": ["native"]}
+            scene["judgement"]["truth"]["float128_outside"] = 1
+    (tmp_path / "report.html").write_text(draw.page(report, folder), encoding="utf-8")
+    made = Opened(browser, tmp_path)
+    page = made.go()
+    page.locator("#tolerance").press("End")
+    assert "2 of 3 scenes would pass" in page.locator("#would").inner_text()
+    assert "fails" in page.locator('#play-rows tr[data-name="sky"]').inner_text()
+    made.context.close()
 
 
 def test_printed_every_scene_is_there(opened: Opened) -> None:

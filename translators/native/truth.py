@@ -116,10 +116,11 @@ class Enclosures:
         0 inside the enclosure, or inside an alternative of an undecidable pixel (otherwise from the
         nearest one), and where there is no enclosure; ∞ for a value that is not a number.
         """
-        far = np.maximum(np.maximum(self.lo - image, image - self.hi), 0.0).max(axis=-1)
         value = image[self.undecidable][:, None, :]
         lo, hi = self.alternatives[:, :, 0], self.alternatives[:, :, 1]
-        each = np.maximum(np.maximum(lo - value, value - hi), 0.0).max(axis=-1)
+        with np.errstate(invalid="ignore"):
+            far = np.maximum(np.maximum(self.lo - image, image - self.hi), 0.0).max(axis=-1)
+            each = np.maximum(np.maximum(lo - value, value - hi), 0.0).max(axis=-1)
         listed = np.arange(MAX_ALTERNATIVES) < self.n_alternatives[:, None]
         nearest = np.where(listed, each, np.inf).min(axis=-1)
         far[self.undecidable] = np.where(self.n_alternatives > 0, nearest, far[self.undecidable])
