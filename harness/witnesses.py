@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import islice, zip_longest
+from itertools import chain, islice, zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,8 +56,12 @@ def record(
     of what is possible}, and `tree`, null beyond the first `MOST_TREES`: {`n_rays`, `rays[]`: the
     first of them, of six significant digits}. What is not there is null.
     """
-    lists = list(_lists(images, judged, far))
-    chosen = _in_turn(lists, MOST_PIXELS)
+    peaks = [
+        [region.row * scene.h_res + region.column for region in regions]
+        for regions, _ in judged.found.values()
+    ]
+    wanted = chain(_in_turn(peaks), _in_turn(list(_lists(images, judged, far))))
+    chosen = list(islice(dict.fromkeys(wanted), MOST_PIXELS))
     known = truth.certify(scene, readings, pixels=np.array(chosen, np.int64), threads=threads)
     pixels = []
     for i, at in enumerate(chosen):
@@ -93,9 +97,6 @@ def _lists(
 ) -> Iterator[Sequence[int]]:
     """Yield lists of pixels (row * h_res + column), each in the order of its interest."""
     first = next(iter(images.values()))
-    columns = first.shape[1]
-    for regions, _ in judged.found.values():
-        yield [region.row * columns + region.column for region in regions]
     for kind in reversed(Class):
         if kind == Class.EQUAL:
             continue
@@ -111,10 +112,9 @@ def _lists(
         yield [int(at) for at in sorted(furthest, key=lambda at: -off[at]) if off[at] > 0]
 
 
-def _in_turn(lists: Sequence[Sequence[int]], count: int) -> list[int]:
-    """Take one of each list in turn, none twice."""
-    turns = (at for turn in zip_longest(*lists) for at in turn if at is not None)
-    return list(islice(dict.fromkeys(turns), count))
+def _in_turn(lists: Sequence[Sequence[int]]) -> Iterator[int]:
+    """Take one of each list in turn."""
+    return (at for turn in zip_longest(*lists) for at in turn if at is not None)
 
 
 def _tree(scene: Scene, row: int, col: int, readings: Mapping[str, str]) -> dict[str, Any] | None:
