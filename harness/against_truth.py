@@ -83,7 +83,7 @@ def compare_with_truth(
     described = judging.describe(scene, {name: values}, known, {name: classified}, readings)
     found, n_regions = described[name]
     lane = {
-        "name": name, "classes": classified.counts, "n_regions": n_regions,
+        "name": name, "classes": classified.counts, "n_regions": n_regions, "declared": [],
         "regions": [{"kind": one.kind, "where": one.where} for one in found],
     }  # fmt: skip
     record = {
@@ -100,7 +100,10 @@ def told(region: regions.Region | Mapping[str, Any]) -> str:
     pixels = "1 pixel" if it.pixels == 1 else f"{it.pixels:,} pixels"
     place = f"rows {top}-{bottom - 1}, columns {left}-{right - 1}"
     far = "not finite" if it.difference is None else f"off by {it.difference:.3g}"
-    return f"{pixels} in {place}: {it.kind} on {it.where}; worst ({it.row}, {it.column}), {far}"
+    rays = f": {it.tree}" if it.tree else ""
+    return (
+        f"{pixels} in {place}: {it.kind} on {it.where}; worst ({it.row}, {it.column}), {far}{rays}"
+    )
 
 
 def _as_region(entry: Mapping[str, Any]) -> regions.Region:

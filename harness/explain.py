@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from crosstrace.harness import alone, record
@@ -70,7 +70,7 @@ class LaneValue:
     """A lane's value at the pixel; `status` and `message` as in a report, None: no image.
 
     `difference` and `alternative` are those of `Enclosure.difference`. `verdict` is the class of
-    the difference, None while nothing classifies it.
+    the value (`classes.py`), None where there is no truth to class it by.
     """
 
     name: str
@@ -166,7 +166,16 @@ def explain(
             values[name] = _value(enclosure, name, *outcome)
         if step is not None:
             step(done, total, f"{name} {values[name].status}")
-    return Explanation(scene, tree, enclosure, tuple(values[name] for name in names), readings)
+    found = tuple(values[name] for name in names)
+    if known is not None:
+        rendered = {
+            lane.name: (lane.value, lane.half_step or 0.0)
+            for lane in found
+            if lane.value is not None
+        }
+        classes = alone.classes_at(scene, row, col, known, rendered, readings, timeout_s)
+        found = tuple(replace(lane, verdict=classes.get(lane.name)) for lane in found)
+    return Explanation(scene, tree, enclosure, found, readings)
 
 
 def _checked(lanes: Iterable[str] | None) -> tuple[str, ...]:

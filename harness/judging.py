@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness import blame, colormap, images, maps, record, regions, witnesses
+from crosstrace.harness import (
+    blame,
+    colormap,
+    declared,
+    images,
+    maps,
+    ray_path,
+    record,
+    regions,
+    witnesses,
+)
 from crosstrace.harness.classes import Class, Classified, classify
 from crosstrace.harness.lanes import REFERENCE, loaded
 from crosstrace.harness.spread import spread
 from crosstrace.harness.store import Place
 from crosstrace.translators.native import truth
+from crosstrace.translators.native.explain import explain
 from crosstrace.translators.readings import deviating
 from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene
@@ -31,6 +42,9 @@ Array = NDArray[np.float64]
 #: Rows of the image in which float128, a hundred times as slow as double, is held against the
 #: enclosures.
 CHECKED_ROWS = 2
+
+#: Rays of a tree that are looked at for its outline.
+_MOST_RAYS = 1000
 
 
 @dataclass(frozen=True)
@@ -46,13 +60,15 @@ class Exhibit:
 class Judgement:
     """What is found about one scene; `classified` and `found` by lane.
 
-    `found` are a lane's regions of wrong and suspect pixels, and how many there are in all.
+    `found` are a lane's regions of wrong and suspect pixels, and how many there are in all,
+    `declared` what of their ray trees its ledger names without a reading that reproduces it.
     `violations` counts pixels in the checked rows whose float128 value leaves its enclosure.
     """
 
     known: truth.Enclosures
     classified: Mapping[str, Classified]
     found: Mapping[str, tuple[list[regions.Region], int]]
+    declared: Mapping[str, list[declared.Met]]
     verdict: blame.Verdict
     stages: Mapping[str, Mapping[str, str]]
     violations: int
@@ -92,10 +108,16 @@ def judge(
     )
     images_of = {lane: image for lane, (image, _) in lanes.items()}
     found = describe(scene, images_of, known, classified, readings, threads)
+    named = {
+        lane: declared.met(
+            scene, loaded(lane).ledger(scene), one.pixels(Class.WRONG, Class.SUSPECT), readings
+        )
+        for lane, one in classified.items()
+    }
     seconds = {"certify": certified - started, "classify": classed - certified,
                "describe": time.perf_counter() - classed}  # fmt: skip
     return Judgement(
-        known, classified, found, verdict, blame.table(testimonies), violations, seconds
+        known, classified, found, named, verdict, blame.table(testimonies), violations, seconds
     )
 
 
@@ -141,6 +163,7 @@ def judge_files(
                 "regions": [asdict(region) for region in found.found[lane][0]],
                 "n_regions": found.found[lane][1],
                 "excess": _excess(classified, far[lane]),
+                "declared": [asdict(met) for met in found.declared[lane]],
                 "image": _draw(classified, places[lane], version),
             }
             for lane, classified in found.classified.items()
@@ -218,6 +241,17 @@ def describe(
     traced = loaded(REFERENCE).render(scene, options)
     with np.errstate(invalid="ignore"):
         true = np.where(np.isfinite(known.lo), 0.5 * (known.lo + known.hi), traced.image)
-    return {
+    found = {
         lane: regions.find(bad[lane], image, true, traced.layers) for lane, image in lanes.items()
     }
+    return {
+        lane: ([_with_tree(scene, region, readings) for region in some], count)
+        for lane, (some, count) in found.items()
+    }
+
+
+def _with_tree(
+    scene: Scene, region: regions.Region, readings: Mapping[str, str] | None
+) -> regions.Region:
+    tree = explain(scene, region.row, region.column, readings, max_rays=_MOST_RAYS)
+    return replace(region, tree=ray_path.outline(tree))

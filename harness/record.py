@@ -141,12 +141,14 @@ def _judged_lane(entry: Mapping[str, Any], judged: Mapping[str, Any] | None) -> 
             "tolerance": None,
             "regions": [],
             "excess": {},
+            "declared": [],
         }
         return {**entry, **nothing, "n_regions": None}
     images = dict(entry["images"])
     if judged["image"] is not None:
         images["classes"] = judged["image"]
-    kept = {key: judged[key] for key in ("classes", "tolerance", "regions", "n_regions", "excess")}
+    names = ("classes", "tolerance", "regions", "n_regions", "declared", "excess")
+    kept = {key: judged[key] for key in names}
     return {**entry, **kept, "images": images}
 
 

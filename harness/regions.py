@@ -31,7 +31,8 @@ class Region:
     """A connected set of pixels: `box` is (top, left, bottom, right), the last two exclusive.
 
     `row`, `column` is the pixel that is furthest from the truth, by `difference`; `objects` are
-    the indices of the objects first hit, −1 the background.
+    the indices of the objects first hit, −1 the background. `tree` outlines the reference's rays of
+    that pixel (`ray_path.outline`), where it was asked for.
     """
 
     pixels: int
@@ -42,6 +43,7 @@ class Region:
     where: str
     kind: str
     objects: tuple[int, ...]
+    tree: str = ""
 
 
 def find(

@@ -15,6 +15,7 @@
 #include "perturb.inc.h"
 #else
 #define NUDGED(pixel, direction) ((void)(pixel), (direction))
+#define NUDGED_ORIGIN(pixel, origin) (origin)
 #define IS_NUDGED(pixel) 0
 #define NUDGE_HIT(world, pixel, ray, hit) ((void)0)
 #endif
@@ -92,7 +93,7 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
     v_store(split.total_reflection, pixel->contributions + 15);
   }
   if (pixel->wants_hit) {
-    HIT hit = FN(nearest)(world, &ray);
+    HIT hit = FN(nearest)(world, pixel, &ray);
     pixel->object = (int32_t)hit.object;
     pixel->t_world = hit.object >= 0 ? to_double(hit.t) : (double)INFINITY;
     v_store(hit.object >= 0 ? hit.normal : v_zero(), pixel->normal);

@@ -56,12 +56,20 @@ static inline REAL object_nearest(const WORLD *world, size_t i, VEC origin, VEC 
                        world->plane_normal[world->frame->plane_slot[i]], t_min);
 }
 
-static HIT FN(nearest)(const WORLD *world, const RAY *ray) {
+/* Where rounding is under test it may also decide which of two surfaces that meet comes first. */
+#ifdef CT_PERTURBED
+static REAL nudged_distance(const WORLD *world, ct_pixel *pixel, const RAY *ray, size_t i, REAL t);
+#else
+#define nudged_distance(world, pixel, ray, i, t) ((void)(pixel), (t))
+#endif
+
+static HIT FN(nearest)(const WORLD *world, ct_pixel *pixel, const RAY *ray) {
   HIT hit = {.object = -1};
   REAL zero = from_double(0);
   for (size_t i = 0; i < world->view->n_objects; i++) {
     REAL t = object_nearest(world, i, ray->origin, ray->direction, ray->primary, zero);
     if (!less(zero, t) || (world->has_far && less(world->far, t))) continue;
+    t = nudged_distance(world, pixel, ray, i, t);
     if (hit.object >= 0 && !less(t, hit.t)) continue; /* a tie stays with the first in the file */
     hit.object = (int64_t)i;
     hit.t = t;

@@ -99,7 +99,7 @@ def ledger_f32(scene: Scene, effects: Collection[str]) -> Ledger:
     planes = tuple(map(int, np.flatnonzero(~scene.is_sphere)))
     if planes:
         text = f"planes end {DISK:g} from the foot of the perpendicular from the eye"
-        entries.append(Entry("geometry", text, "approximated", objects=planes))
+        entries.append(Entry("geometry", text, "approximated", objects=planes, beyond=DISK))
     large = tuple(
         map(int, np.flatnonzero(scene.is_sphere & (scene.geometry[:, 3] >= LARGE_RADIUS)))
     )

@@ -104,7 +104,8 @@ def test_crowds_have_the_same_bits(random_scene: Generator, n: int, precision: s
     grid = np.round(rng.uniform(-4, 4, (n, 3)) * 2) / 2
     crowd = [
         sphere(rng.integers(0, 256, 3), at, float(rng.choice([0.25, 0.5, 0.4])), ka=0.1, kd=0.6,
-               ks=0.3, eta=float(rng.choice([3, 20.5, 900, 1024, 2000])), kr=float(rng.choice([0, 0.5])),
+               ks=0.3, eta=float(rng.choice([3, 20.5, 900, 1024, 2000])),
+               kr=float(rng.choice([0, 0.5])),
                kt=float(rng.choice([0, 0, 0.7])), n=1.4)
         for at in grid
     ]  # fmt: skip
