@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 #: Rows of the image in which float128, a hundred times as slow as double, is held against the
 #: enclosures.
-CHECKED_ROWS = 2
+CHECKED_ROWS = 1
 
 #: Rays of a tree that are looked at for its outline.
 _MOST_RAYS = 1000

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from crosstrace.native import _core
 from crosstrace.translators import readings as readings_of_the_specification
+from crosstrace.translators.channels import every
 from crosstrace.translators.effects import effects
 from crosstrace.translators.errors import RendererError, UsageError
 from crosstrace.translators.renderer import Progress
@@ -94,7 +95,7 @@ class Enclosures:
         """
         more = np.asarray(slack)[..., None]
         inside = (self.lo - more <= image) & (image <= self.hi + more)
-        return np.asarray(inside.all(axis=-1))
+        return every(inside)
 
     def fits_alternative(self, image: NDArray[np.float64], slack: Slack) -> NDArray[np.bool_]:
         """Say of each pixel whether a value fits one possible value, not merely their hull.
@@ -105,7 +106,7 @@ class Enclosures:
         value = image[self.undecidable][:, None, :]
         more = np.broadcast_to(slack, self.undecidable.shape)[self.undecidable][:, None, None]
         lo, hi = self.alternatives[:, :, 0] - more, self.alternatives[:, :, 1] + more
-        fits = ((lo <= value) & (value <= hi)).all(axis=-1)
+        fits = every((lo <= value) & (value <= hi))
         listed = np.arange(MAX_ALTERNATIVES) < self.n_alternatives[:, None]
         answer[self.undecidable] = (fits & listed).any(axis=-1)
         return answer
@@ -201,5 +202,5 @@ def violations(
         except RuntimeError as error:
             raise RendererError(f"certification: {error}") from None
         inside = (known.lo[row] <= image[0]) & (image[0] <= known.hi[row])
-        count += int(np.count_nonzero(~inside.all(axis=-1)))
+        count += int(np.count_nonzero(~every(inside)))
     return count
