@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.harness import images
+from crosstrace.translators.channels import largest
 
 STEPS = 4
 
@@ -36,11 +37,13 @@ def difference(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.uin
     """
     with np.errstate(invalid="ignore"):
         signed = b - a
-    channel = np.abs(signed).argmax(axis=-1)[..., None]
-    most = np.take_along_axis(signed, channel, axis=-1)[..., 0]
+    size = np.abs(signed)
+    most = np.where(size[..., 1] > size[..., 0], signed[..., 1], signed[..., 0])
+    most = np.where(size[..., 2] > np.abs(most), signed[..., 2], most)
+    # One undefined channel is enough.
+    most[np.isnan(largest(size))] = np.nan
     codes = _steps(np.abs(most), LEAST_DIFFERENCE) + np.where(most < 0, MOST, 0)
     codes[most == 0] = 0
-    # argmax stops at a NaN, so that one undefined channel is enough.
     codes[~np.isfinite(most)] = UNDEFINED
     return codes.astype(np.uint8)
 
@@ -51,8 +54,8 @@ def digits(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.uint8]:
     It is the whole part of −log10(max |b − a| / max |a|), both over the channels; 0 where a is 0.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        off = np.abs(b - a).max(axis=-1)
-        lost = np.floor(-np.log10(off / np.abs(a).max(axis=-1)))
+        off = largest(np.abs(b - a))
+        lost = np.floor(-np.log10(off / largest(np.abs(a))))
     codes = np.clip(np.nan_to_num(lost, nan=0.0), 0, ALL_DIGITS - 1)
     codes[off == 0] = ALL_DIGITS
     codes[~np.isfinite(off)] = UNDEFINED
@@ -61,7 +64,7 @@ def digits(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 def unlike(similarity: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Return the step of 1 − SSIM, the mean over the channels of a map (v_res, h_res, 3)."""
-    off = 1.0 - similarity.mean(axis=-1)
+    off = 1.0 - (similarity[..., 0] + similarity[..., 1] + similarity[..., 2]) / 3
     codes = _steps(np.maximum(off, 0.0), LEAST_UNLIKE)
     # As in `colormap.similarity_picture`: what the rounding of the window's sums makes is nothing.
     codes[off <= 10.0**LEAST_UNLIKE] = 0

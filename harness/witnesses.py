@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from crosstrace.harness import record as records
 from crosstrace.harness.classes import NAMES, Class
 from crosstrace.harness.explain import enclosure_at, enclosure_record, ray_record
+from crosstrace.translators.channels import largest
 from crosstrace.translators.errors import RendererError
 from crosstrace.translators.native import truth
 from crosstrace.translators.native.explain import Ray, explain
@@ -106,7 +107,7 @@ def _lists(
             yield inside[order[:MOST_PIXELS]].tolist()
     for image in images.values():
         with np.errstate(invalid="ignore"):
-            off = np.nan_to_num(np.abs(image - first).max(axis=-1), nan=np.inf).ravel()
+            off = np.nan_to_num(largest(np.abs(image - first)), nan=np.inf).ravel()
         count = min(_FURTHEST, off.size)
         furthest = np.argpartition(-off, count - 1)[:count]
         yield [int(at) for at in sorted(furthest, key=lambda at: -off[at]) if off[at] > 0]

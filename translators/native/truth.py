@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from crosstrace.native import _core
 from crosstrace.translators import readings as readings_of_the_specification
-from crosstrace.translators.channels import every
+from crosstrace.translators.channels import every, largest
 from crosstrace.translators.effects import effects
 from crosstrace.translators.errors import RendererError, UsageError
 from crosstrace.translators.renderer import Progress
@@ -120,13 +120,13 @@ class Enclosures:
         value = image[self.undecidable][:, None, :]
         lo, hi = self.alternatives[:, :, 0], self.alternatives[:, :, 1]
         with np.errstate(invalid="ignore"):
-            far = np.maximum(np.maximum(self.lo - image, image - self.hi), 0.0).max(axis=-1)
-            each = np.maximum(np.maximum(lo - value, value - hi), 0.0).max(axis=-1)
+            far = np.maximum(largest(np.maximum(self.lo - image, image - self.hi)), 0.0)
+            each = np.maximum(largest(np.maximum(lo - value, value - hi)), 0.0)
         listed = np.arange(MAX_ALTERNATIVES) < self.n_alternatives[:, None]
         nearest = np.where(listed, each, np.inf).min(axis=-1)
         far[self.undecidable] = np.where(self.n_alternatives > 0, nearest, far[self.undecidable])
-        far[~np.isfinite(self.lo).all(axis=-1)] = 0.0
-        far[~np.isfinite(image).all(axis=-1)] = np.inf
+        far[~every(np.isfinite(self.lo))] = 0.0
+        far[~every(np.isfinite(image))] = np.inf
         return np.asarray(far)
 
 
