@@ -118,7 +118,7 @@ class Explanation:
                 "color": tree.color,
                 "tree": f"{tree.tree:016x}",
                 "n_rays": tree.n_rays,
-                "rays": [ray_record(ray) for ray in tree.rays],
+                "rays": [_ray(ray) for ray in tree.rays],
                 "enclosure": None if self.enclosure is None else enclosure_record(self.enclosure),
                 "lanes": [_lane(lane) for lane in self.lanes],
             }
@@ -224,8 +224,7 @@ def _vector(channels: Iterable[float]) -> Vector:
     return red, green, blue
 
 
-def ray_record(ray: Ray) -> dict[str, Any]:
-    """Return a ray's fields, kinds and decisions by name."""
+def _ray(ray: Ray) -> dict[str, Any]:
     names = {"kind": ray.kind.name.lower(), "margin_decision": ray.margin_decision.name.lower()}
     return asdict(ray) | names
 

@@ -8,7 +8,6 @@ unexplained pixels come first, then in turn the furthest pixels of each class of
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain, islice, zip_longest
 from typing import TYPE_CHECKING, Any
@@ -16,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness import record as records
 from crosstrace.harness.classes import NAMES, Class
-from crosstrace.harness.explain import enclosure_at, enclosure_record, ray_record
+from crosstrace.harness.explain import enclosure_at, enclosure_record
 from crosstrace.translators.channels import largest
 from crosstrace.translators.errors import RendererError
 from crosstrace.translators.native import truth
@@ -36,8 +34,8 @@ MOST_PIXELS, MOST_TREES, MOST_RAYS = 240, 80, 120
 #: The furthest pixels from the reference, of each lane, whatever their class.
 _FURTHEST = 8
 
-_OF_RAY = ("kind", "parent", "depth", "object", "light", "inside", "weight", "t_world",
-           "light_distance", "margin", "margin_decision", "margin_object", "clearance")  # fmt: skip
+_OF_RAY = ("parent", "depth", "object", "light", "inside", "weight", "t_world", "light_distance",
+           "margin", "margin_object", "clearance")  # fmt: skip
 
 
 def record(
@@ -48,7 +46,7 @@ def record(
     readings: Mapping[str, str],
     threads: int = 0,
 ) -> dict[str, Any]:
-    """Return the pixels to show of some lanes' images (v_res, h_res, 3), JSON-ready.
+    """Return the pixels to show of some lanes' images (v_res, h_res, 3), for JSON.
 
     `far` is how far each pixel of a lane lies outside of what is possible. The keys: `schema`;
     `beyond`, how many pixels are not `equal` in every lane; `pixels[]`: `row`, `col`,
@@ -86,9 +84,7 @@ def record(
     beyond = np.zeros(scene.shape[:2], bool)
     for classified in judged.classified.values():
         beyond |= classified.classes != Class.EQUAL
-    made = {"schema": SCHEMA, "beyond": int(np.count_nonzero(beyond)), "pixels": pixels}
-    plain: dict[str, Any] = json.loads(records.dumps(made))
-    return plain
+    return {"schema": SCHEMA, "beyond": int(np.count_nonzero(beyond)), "pixels": pixels}
 
 
 def _lists(
@@ -127,9 +123,10 @@ def _tree(scene: Scene, row: int, col: int, readings: Mapping[str, str]) -> dict
 
 
 def _ray(ray: Ray) -> dict[str, Any]:
-    whole = ray_record(ray)
-    kept = {name: _short(whole[name]) for name in _OF_RAY}
-    return kept | {"adds": [_short(channel) for channel in ray.contribution]}
+    kept = {name: _short(getattr(ray, name)) for name in _OF_RAY}
+    # Of many thousand rays: `dataclasses.asdict` would copy each as deep as it goes.
+    names = {"kind": ray.kind.name.lower(), "margin_decision": ray.margin_decision.name.lower()}
+    return kept | names | {"adds": [_short(channel) for channel in ray.contribution]}
 
 
 def _short(value: Any) -> Any:
