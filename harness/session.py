@@ -71,6 +71,7 @@ def run(
         )
         observe = events or (lambda _: None)
         report = Session(from_scenes(scenes, options.size), settings, pool, observe).run()
-        report["run"] |= {"jobs": slots, "seconds": time.perf_counter() - started}
+        size = list(options.size) if options.size else None
+        report["run"] |= {"jobs": slots, "size": size, "seconds": time.perf_counter() - started}
         publish(built, Path(out), report)
     return report

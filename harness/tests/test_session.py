@@ -30,7 +30,8 @@ def test_a_run_leaves_record_page_and_every_image_that_the_record_names(
     report = run([scene], tmp_path / "out", run_options(GRADIENT, BRIGHTER))
     on_disk = json.loads((tmp_path / "out/report.json").read_text(encoding="utf-8"))
     assert on_disk == report
-    entries = [*report["scenes"][0]["renderers"], *report["scenes"][0]["pairs"]]
+    (entry,) = report["scenes"]
+    entries = [entry, *entry["renderers"], *entry["pairs"]]
     named = {i["file"]: i["sha256"] for entry in entries for i in entry["images"].values()}
     found = {
         str(path.relative_to(tmp_path / "out")): images.sha256(path)
@@ -39,7 +40,7 @@ def test_a_run_leaves_record_page_and_every_image_that_the_record_names(
     }
     assert named == found
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "images", "report.html", "report.json",
+        "images", "report.html", "report.json", "report.md",
     }  # fmt: skip
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
