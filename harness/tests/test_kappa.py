@@ -1,4 +1,4 @@
-"""The units of rounding that ledgers declare explain the lanes' images, and no fewer would.
+"""The units of rounding that ledgers declare explain the lanes' images; far fewer would not.
 
 Honest images, classed: what no sample of the declared arithmetic returns is suspect or wrong.
 """

@@ -27,7 +27,7 @@ FLOAT32_RANGE = (1e-18, 1e17)
 FLOAT64_RANGE = (1e-150, 1e150)
 
 #: How many units the directions and hits carry is measured. Mitsuba's own camera errs by up to 3.5
-#: (`tests/test_arithmetic.py`), its hits by fewer. Suspect and wrong pixels of honest images of the
+#: (`tests/test_arithmetic.py`). Suspect and wrong pixels of honest images of the
 #: 28 hard scenes (harness/tests/test_kappa.py has some of this; of the 18 course scenes at
 #: 120 x 160 there are none under any of these κ):
 #:
