@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from official_scenes import official  # noqa: F401, pytest finds the fixture here
 
 from crosstrace.harness.jobs import WorkerPool
 from crosstrace.translators.scene import Scene

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from official_scenes import official  # noqa: F401, pytest finds the fixture here
 
 from crosstrace.translators.scene import Scene
 

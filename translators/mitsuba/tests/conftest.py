@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from official_scenes import official  # noqa: F401, pytest finds the fixture here
 
 from crosstrace.translators.mitsuba.probe import probe
 from crosstrace.translators.registry import renderer

@@ -1,4 +1,7 @@
-"""What the tests of all parts share: the course's official scenes, if they are at hand."""
+"""What the tests of all parts share: the course's official scenes, if they are at hand.
+
+Every conftest.py that needs the fixture imports it.
+"""
 
 from __future__ import annotations
 
