@@ -16,8 +16,11 @@ from typing import Any
 from crosstrace.harness import markdown, record
 from crosstrace.harness.page import draw
 from crosstrace.translators.errors import UsageError
+from crosstrace.translators.leftovers import sweep
 
 JSON_NAME, PAGE_NAME, MARKDOWN_NAME = "report.json", "report.html", "report.md"
+
+_PREFIX = ".crosstrace-report-"
 
 
 @contextlib.contextmanager
@@ -31,7 +34,8 @@ def workspace(directory: Path) -> Iterator[Path]:
     home = directory if directory.is_dir() else directory.absolute().parent
     try:
         home.mkdir(parents=True, exist_ok=True)
-        made = Path(tempfile.mkdtemp(prefix=".crosstrace-report-", dir=home))
+        sweep(home, _PREFIX)
+        made = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=home))
     except OSError as error:
         raise UsageError(f"{directory}: cannot be written: {error.strerror}") from error
     try:

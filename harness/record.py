@@ -188,8 +188,11 @@ def dumps(report: Mapping[str, Any]) -> str:
     return json.dumps(_plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def loads(path: Path) -> dict[str, Any]:
-    """Read a `report.json`; raises UsageError for any other file."""
+def loads(path: Path, schema: str = SCHEMA, kind: str = "record") -> dict[str, Any]:
+    """Read a `report.json`, or another file of a `schema`; raises UsageError for any other file.
+
+    `kind` is what messages call it.
+    """
     try:
         read = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -197,8 +200,8 @@ def loads(path: Path) -> dict[str, Any]:
     except ValueError as error:
         raise UsageError(f"{path}: expected JSON, found: {error}") from error
     found = read.get("schema") if isinstance(read, dict) else type(read).__name__
-    if found != SCHEMA:
-        raise UsageError(f"{path}: expected a record of schema {SCHEMA}, found {found!r}")
+    if found != schema:
+        raise UsageError(f"{path}: expected a {kind} of schema {schema}, found {found!r}")
     loaded: dict[str, Any] = read
     return loaded
 

@@ -11,18 +11,17 @@ import shutil
 from collections import Counter
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
 import pytest
+from small_runs import sky
 
 from crosstrace.harness.page import draw, plots
 from crosstrace.harness.page.payload import payload
 from crosstrace.harness.session import RunOptions, run
 from crosstrace.harness.sources import Source
 from crosstrace.harness.spread import spread
-from crosstrace.translators.scene import Scene
 
 LANES = ("fake_lanes:Gradient", "fake_lanes:Brighter", "fake_lanes:Absent", "fake_lanes:Undefined")
 NASTY = "<script>alert('x')</script>&\"%s/../é"
@@ -56,20 +55,13 @@ class _Reader(HTMLParser):
         self.text += data
 
 
-def _scene(**more: Any) -> Scene:
-    return Scene.build(
-        delivery=1, v_res=12, h_res=16, pixel_size=1.0, screen_distance=10.0,
-        eye=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0], background=[0, 128, 255], **more,
-    )  # fmt: skip
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Give the directory of a report with names and renderers that try to break it."""
     out = tmp_path_factory.mktemp("page") / "out"
     sources = [
-        Source(NASTY, _scene(), title=NASTY, about=NASTY, packaged=True),
-        Source("tiny", _scene().resized(1, 1)),
+        Source(NASTY, sky(), title=NASTY, about=NASTY, packaged=True),
+        Source("tiny", sky().resized(1, 1)),
     ]
     run(sources, out, RunOptions(LANES, jobs=2, timeout_s=60))
     return out

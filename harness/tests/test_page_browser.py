@@ -19,12 +19,12 @@ import numpy as np
 import pytest
 from command_line import call
 from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
+from small_runs import sky
 
 from crosstrace.harness import images
 from crosstrace.harness.page import draw
 from crosstrace.harness.session import RunOptions, run
 from crosstrace.harness.sources import Source, find
-from crosstrace.translators.scene import Scene
 
 PLAIN = "fake_lanes:Plain"
 ROWS, COLUMNS = 24, 32
@@ -36,11 +36,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Give the directory of a report on a scene that departs and two that agree."""
     out = tmp_path_factory.mktemp("browser") / "out"
-    sky = Scene.build(
-        delivery=1, v_res=12, h_res=16, pixel_size=1.0, screen_distance=10.0,
-        eye=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0], background=[0, 128, 255],
-    )  # fmt: skip
-    sources = [Source("sky", sky), Source(NASTY, sky, title=NASTY), *find(["bolha2"])]
+    sources = [Source("sky", sky()), Source(NASTY, sky(), title=NASTY), *find(["bolha2"])]
     run(sources, out, RunOptions(("native", PLAIN), jobs=2, timeout_s=60, size=(ROWS, COLUMNS)))
     return out
 

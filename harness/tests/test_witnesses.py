@@ -138,7 +138,7 @@ def test_distance_is_to_the_nearest_possible_value() -> None:
     enclosed = np.isfinite(middle).all(axis=-1) & ~known.undecidable
     assert enclosed.any() and known.undecidable.any()
     assert (known.distance(middle)[enclosed] == 0).all()
-    moved = middle + [0.0, -0.5, 0.25]
+    moved = middle + np.array([0.0, -0.5, 0.25])
     assert np.allclose(known.distance(moved)[enclosed], 0.5, atol=1e-8)
     assert np.isinf(known.distance(np.full_like(middle, np.nan))).all()
     for i, at in enumerate(np.argwhere(known.undecidable)[:20]):

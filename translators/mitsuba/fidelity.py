@@ -26,7 +26,18 @@ DEEPEST = 128
 FLOAT32_RANGE = (1e-18, 1e17)
 FLOAT64_RANGE = (1e-150, 1e150)
 
-#: How many units the directions and hits carry is measured: see `tests/test_arithmetic.py`.
+#: How many units the directions and hits carry is measured. Mitsuba's own camera errs by up to 3.5
+#: (`tests/test_arithmetic.py`), its hits by fewer. Suspect and wrong pixels of honest images of the
+#: 28 hard scenes (harness/tests/test_kappa.py has some of this; of the 18 course scenes at
+#: 120 x 160 there are none under any of these κ):
+#:
+#: | lane | κ = 1/4 | 1/2 | 1 | 2 | 3 | 4 | 8 |
+#: |---|---|---|---|---|---|---|---|
+#: | mitsuba | 1631 | 941 | 820 | 789 | 781 | 751 | 765 |
+#: | mitsuba-f64 | 49 | 18 | 0 | 0 | 0 | 0 | 0 |
+#:
+#: From 1 on those of float32 are ground-1e6's, acne's and coordinates-1e6's, beside 140 of far-tiny
+#: under 8.
 FLOAT32 = Arithmetic(unit=2.0**-24, kappa=4.0, color_unit=2.0**-24)
 FLOAT64 = Arithmetic(unit=2.0**-53, kappa=4.0, color_unit=2.0**-53)
 
