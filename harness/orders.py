@@ -103,9 +103,9 @@ class Orders:
         task = Task(
             judging.judge_files, "judge", rank=-1, timeout_s=settings.timeout_s, label="judging"
         )
-        scene = self._sources[i].scene
         # No lane's file can be called so.
         common = self._place(i, "_scene")
+        scene = self._sources[i].scene
         return task, (scene, readings, exhibits, threads, places, package_version(), common)
 
     def compare(self, i: int, a: str, b: str) -> Job:
