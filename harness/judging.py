@@ -9,7 +9,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +20,12 @@ from crosstrace.harness import (
     colormap,
     declared,
     images,
-    maps,
     ray_path,
-    record,
     regions,
-    witnesses,
+    shown,
 )
 from crosstrace.harness.classes import Class, Classified, classify
 from crosstrace.harness.lanes import REFERENCE, loaded
-from crosstrace.harness.spread import spread
 from crosstrace.harness.store import Place
 from crosstrace.translators.native import truth
 from crosstrace.translators.native.explain import explain
@@ -139,8 +135,8 @@ def judge_files(
     found = judge(scene, lanes, readings, threads)
     far = {lane: found.known.distance(image) for lane, (image, _) in lanes.items()}
     started = time.perf_counter()
-    shown = _show(scene, {lane: image for lane, (image, _) in lanes.items()}, found, far,
-                  readings, threads, common)  # fmt: skip
+    left = shown.files(scene, {lane: image for lane, (image, _) in lanes.items()}, found, far,
+                       readings, threads, common)  # fmt: skip
     seconds = {**found.seconds, "pixels": time.perf_counter() - started}
     return {
         "message": "",
@@ -155,50 +151,19 @@ def judge_files(
         },
         "stages": {stage: dict(row) for stage, row in found.stages.items()},
         "seconds": seconds,
-        "images": shown,
+        "images": left,
         "lanes": {
             lane: {
                 "classes": classified.counts,
                 "tolerance": classified.tolerance_at_one,
                 "regions": [asdict(region) for region in found.found[lane][0]],
                 "n_regions": found.found[lane][1],
-                "excess": _excess(classified, far[lane]),
+                "excess": shown.excess(classified, far[lane]),
                 "declared": [asdict(met) for met in found.declared[lane]],
                 "image": _draw(classified, places[lane], version),
             }
             for lane, classified in found.classified.items()
         },
-    }
-
-
-def _show(
-    scene: Scene,
-    lanes: Mapping[str, Array],
-    found: Judgement,
-    far: Mapping[str, Array],
-    readings: Mapping[str, str],
-    threads: int,
-    common: Place,
-) -> dict[str, dict[str, str]]:
-    """Write the map of objects and the pixels to show; return their records."""
-    options = RenderOptions(threads=threads, readings=dict(readings), layers=True)
-    objects = loaded(REFERENCE).render(scene, options).layers["object"]
-    maps.write(common.file(".objects.npz"), {"object": objects.astype(np.int32)})
-    pixels = witnesses.record(scene, lanes, found, far, readings, threads)
-    content = record.dumps(pixels).encode()
-    images.write_atomically(
-        common.file(".pixels.json"), partial(images.save_bytes, content=content)
-    )
-    return {"objects": common.entry(".objects.npz"), "pixels": common.entry(".pixels.json")}
-
-
-def _excess(classified: Classified, far: Array) -> dict[str, dict[str, Any]]:
-    """Say how far the pixels of each class lie beyond what counts as equal, see `spread`."""
-    beyond = np.maximum(far - classified.tolerance, 0.0)
-    return {
-        kind.name.lower(): spread(beyond[classified.classes == kind])
-        for kind in Class
-        if kind != Class.EQUAL and (classified.classes == kind).any()
     }
 
 

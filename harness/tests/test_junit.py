@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from small_runs import sky
+
 from crosstrace.harness import junit
 from crosstrace.harness.session import RunOptions, run
-from crosstrace.translators.scene import Scene
 
 
 def change(text: str, fails: bool, lane: str = "") -> dict[str, Any]:
@@ -78,12 +79,8 @@ def test_what_xml_cannot_hold_is_replaced() -> None:
 
 def test_a_run_fails_where_a_scene_departs_and_in_the_lanes_to_blame(tmp_path: Path) -> None:
     """An absent renderer is an error, and what is only not equal a note."""
-    sky = Scene.build(
-        delivery=1, v_res=12, h_res=16, pixel_size=1.0, screen_distance=10.0,
-        eye=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0], background=[0, 128, 255],
-    )  # fmt: skip
     plain, ramp, absent = (f"fake_lanes:{name}" for name in ("Plain", "Gradient", "Absent"))
-    report = run([sky], tmp_path / "out", RunOptions((plain, ramp, absent), jobs=2, timeout_s=60))
+    report = run([sky()], tmp_path / "out", RunOptions((plain, ramp, absent), jobs=2, timeout_s=60))
     root = ElementTree.fromstring(junit.of_run(report))
     assert root.get("name") == "crosstrace run"
     found = {case.get("name", ""): case for case in root.iter("testcase")}

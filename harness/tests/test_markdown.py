@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 from command_line import call
+from small_runs import sky
 
 from crosstrace.harness import markdown
 from crosstrace.harness.session import RunOptions, run
 from crosstrace.harness.sources import Source
-from crosstrace.translators.scene import Scene
 
 NASTY = "| # *bold* [x](http://a) <b>@all</b>\n\n- `code`"
 LANES = ("fake_lanes:Plain", "fake_lanes:Gradient", "fake_lanes:Absent")
@@ -22,12 +22,8 @@ LANES = ("fake_lanes:Plain", "fake_lanes:Gradient", "fake_lanes:Absent")
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """Give the record of a run with a scene that departs."""
-    sky = Scene.build(
-        delivery=1, v_res=12, h_res=16, pixel_size=1.0, screen_distance=10.0,
-        eye=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0], background=[0, 128, 255],
-    )  # fmt: skip
     out = tmp_path_factory.mktemp("markdown") / "out"
-    made = run([Source(NASTY, sky)], out, RunOptions(LANES, jobs=2, timeout_s=60))
+    made = run([Source(NASTY, sky())], out, RunOptions(LANES, jobs=2, timeout_s=60))
     assert (out / "report.md").read_text(encoding="utf-8") == markdown.document(made)
     return made
 
