@@ -147,6 +147,24 @@ static size_t count_planes(const ct_scene_view *view) {
   return n;
 }
 
+/* Above this many spheres the tree pays (measured: see README). */
+enum { TREE_WORTHWHILE = 64 };
+
+static ct_status open_tree(ct_frame *frame) {
+  int search = frame->options->search;
+  if (search == CT_SEARCH_SCAN) return CT_OK;
+  size_t n = frame->view.n_objects, least = search == CT_SEARCH_TREE ? 1 : TREE_WORTHWHILE;
+  if (n < least) return CT_OK;
+  /* The tests of these depend on more than the ray. */
+  uint8_t *is_apart = malloc(n + 1);
+  if (!is_apart) return CT_ERR_MEMORY;
+  memcpy(is_apart, frame->eye_on, n);
+  for (size_t k = 0; k < frame->n_lights_on; k++) is_apart[frame->lights_on[k].object] = 1;
+  ct_status status = ct_bvh_open(&frame->view, is_apart, least, &frame->bvh);
+  free(is_apart);
+  return status;
+}
+
 ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_options *options) {
   memset(frame, 0, sizeof *frame);
   frame->view = *view;
@@ -177,11 +195,13 @@ ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_opt
   }
   ct_status status = find_lights_on(frame);
   if (!status) status = set_indices(frame);
+  if (!status) status = open_tree(frame);
   if (status) ct_frame_close(frame);
   return status;
 }
 
 void ct_frame_close(ct_frame *frame) {
+  ct_bvh_close(frame->bvh);
   free(frame->lights_on);
   free(frame->material);
   free(frame->eye_on);

@@ -3,6 +3,7 @@
 #ifndef CT_FRAME_H
 #define CT_FRAME_H
 
+#include "bvh.h"
 #include "options.h"
 #include "wide.h"
 
@@ -22,6 +23,7 @@ typedef struct ct_frame {
   struct {
     size_t light, object;
   } *lights_on;
+  ct_bvh *bvh; /* NULL: every object is asked */
 } ct_frame;
 
 ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_options *options);
