@@ -57,11 +57,12 @@ static inline REAL object_nearest(const WORLD *world, size_t i, VEC origin, VEC 
                        world->plane_normal[world->frame->plane_slot[i]], t_min);
 }
 
-/* Beside what walks allow for: the kernel's own rounding, which counts in float alone, and directions
- * that are not of length 1 (perturb.inc.h). */
+/* What walks allow for beside their own errors: the kernel's rounding, which counts in float alone,
+ * and directions that are not of length 1 (perturb.inc.h). */
+#define REAL_SLACK (REAL_DIGITS < 53 ? 0x1p-16 : 0)
+
 static inline double walk_slack(VEC direction) {
-  double excess = fabs(to_double(v_dot(direction, direction)) - 1);
-  return (REAL_DIGITS < 53 ? 0x1p-16 : 0) + 64 * excess;
+  return REAL_SLACK + 64 * fabs(to_double(v_dot(direction, direction)) - 1);
 }
 
 static void walk_along(const WORLD *world, VEC origin, VEC direction, ct_walk *walk) {
