@@ -118,6 +118,7 @@ static LIST *take_lists(STORE *store) {
   for (size_t k = 0; k < n; k++) {
     lists[k].shape = take(store, LISTED, sizeof *lists[k].shape);
     lists[k].object = take(store, LISTED, sizeof *lists[k].object);
+    lists[k].from = take(store, LISTED, sizeof *lists[k].from);
   }
   return lists;
 }
@@ -145,7 +146,7 @@ static void *FN(enter)(const void *opaque, const ct_outputs *out) {
   size_t branch = (columns + 2) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t first = (CT_CONTRIBUTIONS * 3 + 6) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t sight = (1 + CULLED_LAMPS) * stage->n_words * sizeof(uint64_t) + STORE_LINE;
-  size_t list = sizeof(LIST) + LISTED * (sizeof(SHAPE) + sizeof(uint32_t)) + 3 * STORE_LINE;
+  size_t list = sizeof(LIST) + LISTED * (sizeof(SHAPE) + sizeof(uint32_t) + sizeof(REAL)) + 4 * STORE_LINE;
   if (stage->bvh) sight += (1 + n_culled_lamps(stage)) * list;
   store->size = (2 * n_levels + 1) * branch + (n_levels + 1) * sight + first + STORE_LINE;
   store->block = malloc(store->size);
