@@ -255,7 +255,7 @@ static float above(double x) { return (float)(x + fabs(x) * 0x1p-23 + 0x1p-120);
 static void place(ct_bvh *bvh, const ct_scene_view *view, const uint8_t *is_apart, double most,
                   item *items) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  bvh->n_objects = bvh->n_apart = 0;
+  bvh->least_radius = (double)INFINITY;
   for (size_t i = 0; i < view->n_objects; i++) {
     const double *g = view->geometry + i * CT_GEOMETRY_COLUMNS;
     if (!is_inside(view, is_apart, i, most)) {
@@ -264,6 +264,7 @@ static void place(ct_bvh *bvh, const ct_scene_view *view, const uint8_t *is_apar
     }
     items[bvh->n_objects++].object = (uint32_t)i;
     bvh->extent = fmax(bvh->extent, reach_of(g));
+    bvh->least_radius = fmin(bvh->least_radius, g[3]);
     for (int k = 0; k < 3; k++) {
       low[k] = fmin(low[k], g[k] - g[3]);
       high[k] = fmax(high[k], g[k] + g[3]);

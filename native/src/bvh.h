@@ -42,6 +42,7 @@ typedef struct ct_bvh {
   double middle[3];
   double reach; /* no box goes farther than this from the middle along an axis */
   double extent; /* nor than this from the world's origin */
+  double least_radius;
 } ct_bvh;
 
 /* Builds the tree; is_apart says which spheres are to be kept out of it. *out stays NULL where there

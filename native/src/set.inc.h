@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bvh_walk.h"
 #include "kernel.h"
 #include "set.h"
 #include "interval.inc.h"
