@@ -43,10 +43,15 @@ class RowsInMemory:
         return self._image[begin : self._row]
 
 
+def is_large(rows: int, columns: int) -> bool:
+    """Whether an image is more than one band."""
+    return rows * columns > PIXELS
+
+
 def cut(rows: int, columns: int) -> Iterator[tuple[int, int]]:
     """Yield the first row and the row after the last of every band, from the top."""
     height = rows
-    if rows * columns > PIXELS:
+    if is_large(rows, columns):
         height = max(FEWEST_ROWS, PIXELS // columns)
     for begin in range(0, rows, max(1, height)):
         yield begin, min(rows, begin + height)

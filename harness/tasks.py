@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,11 +23,13 @@ from crosstrace.translators.renderer import (
     Renderer,
     Rendering,
     RenderOptions,
+    Seconds,
     Translation,
 )
 from crosstrace.translators.scene import Scene
 
 if TYPE_CHECKING:
+    from crosstrace.harness.display import DisplayRule
     from crosstrace.translators.native.explain import PixelTree
     from crosstrace.translators.native.stability import Stability
     from crosstrace.translators.native.truth import Enclosures
@@ -93,6 +96,42 @@ def render(
     made, peak_mib = drawn(renderer, scene, options, progress)
     made.seconds.startup += loading_s
     return made, peak_mib
+
+
+def render_to_file(
+    scene: Scene,
+    options: RenderOptions,
+    path: str,
+    metadata: Mapping[str, str],
+    rule: DisplayRule,
+    progress: Progress | None = None,
+) -> tuple[Rendering, float]:
+    """Render by native in bands, straight into a file; return the rendering without its image.
+
+    The file is written as the bands come: give a temporary name. `settings` hold the rays of all
+    bands. Raises as `drawn`.
+    """
+    from crosstrace.harness.display import GUARD_F32, GUARD_F64
+    from crosstrace.harness.row_files import writing
+    from crosstrace.translators.native.adapter import Native
+
+    guard = GUARD_F32 if options.precision == "f32" else GUARD_F64
+    whole = Rendering(np.empty((0, scene.h_res, 3)), Seconds())
+    with (
+        PeakMemory() as memory,
+        writing(Path(path), scene.shape, metadata, rule, guard) as write,
+    ):
+        for band in Native().bands(scene, options, progress):
+            write(band.image)
+            whole.seconds.translate += band.seconds.translate
+            whole.seconds.render += band.seconds.render
+            rays = whole.settings.get("rays", {})
+            counted = {
+                kind: n + rays.get(kind, 0) if kind != "threads" else n
+                for kind, n in band.settings["rays"].items()
+            }
+            whole.settings = band.settings | {"rays": counted}
+    return whole, memory.mib
 
 
 def drawn(

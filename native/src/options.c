@@ -162,6 +162,7 @@ ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *
   return CT_OK;
 }
 
+void ct_options_set_tree(ct_options *options, const ct_tree *tree) { options->tree = tree; }
 void ct_options_set_effects(ct_options *options, unsigned mask) { options->effects = mask; }
 void ct_options_set_threads(ct_options *options, unsigned n) { options->n_threads = n; }
 void ct_options_set_ray_budget(ct_options *options, uint64_t n) { options->ray_budget = n; }

@@ -62,6 +62,7 @@ struct ct_options {
   int rounding;     /* CT_ROUND_... */
   ct_instructions instructions; /* the most that may be used */
   int search;       /* CT_SEARCH_... */
+  const ct_tree *tree; /* borrowed; NULL: every call builds its own */
   unsigned effects, n_threads;
   uint64_t ray_budget;
   int64_t row_begin, row_end;
