@@ -67,7 +67,7 @@ def render_to_file(
     *,
     progress: Progress | None = None,
 ) -> tuple[Rendering, float]:
-    """Render by native in bands into an image file, all of it or nothing; the image is not returned.
+    """Render by native in bands into an image file, all or nothing; no image is returned.
 
     Otherwise as `render`.
     """

@@ -47,7 +47,7 @@ def compare(a: Any, b: Any, scene: Scene | None = None) -> Comparison:
 def compare_rows(first: Rows, second: Rows, scene: Scene | None = None) -> Comparison:
     """As `compare`, of images that are read in bands: the same numbers, without the map."""
     if first.shape != second.shape:
-        sizes = " and ".join(f"{rows}x{columns}" for rows, columns, _ in (first.shape, second.shape))
+        sizes = " and ".join(f"{image.shape[0]}x{image.shape[1]}" for image in (first, second))
         raise UsageError(f"expected two images of one size, found {sizes} (rows x columns)")
     _check_size(first.shape, scene)
     numbers, alike = metrics.Tally(), ssim.Tally(first.shape)

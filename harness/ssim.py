@@ -52,7 +52,7 @@ class Tally:
     """
 
     def __init__(self, shape: tuple[int, ...], *, keeps_map: bool = False) -> None:
-        """Start at the first row of images of that shape; without a map, that of the answer is None."""
+        """Start at the first row of images of that shape."""
         self._rows, self._columns = shape[:2]
         self._map = np.ones((self._rows, self._columns, 3)) if keeps_map else None
         self._is_defined = min(shape[:2]) >= WINDOW
@@ -91,10 +91,7 @@ class Tally:
 
     def _take(self, held: list[NDArray[np.float64]], end: int) -> None:
         """Work out the rows up to `end`."""
-        if np.array_equal(*held):
-            full = np.ones_like(held[0])
-        else:
-            full = _map_of(*held)
+        full = np.ones_like(held[0]) if np.array_equal(*held) else _map_of(*held)
         rows = full[self._done - self._first_held : end - self._first_held]
         if self._map is not None:
             self._map[self._done : end] = rows

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.harness.lanes import loaded
-from crosstrace.harness.memory import PeakMemory
+from crosstrace.harness.memory import PeakMemory, available_bytes
 from crosstrace.translators.errors import RendererError, UnsupportedSceneError
 from crosstrace.translators.renderer import (
     Probe,
@@ -33,6 +33,10 @@ if TYPE_CHECKING:
     from crosstrace.translators.native.explain import PixelTree
     from crosstrace.translators.native.stability import Stability
     from crosstrace.translators.native.truth import Enclosures
+
+
+#: Bytes of a pixel on its way to the caller: pickled, framed, and unpacked again on the other side.
+_HANDED_OVER = 4 * 24
 
 
 def probe(lane: str) -> Probe:
@@ -134,13 +138,27 @@ def render_to_file(
     return whole, memory.mib
 
 
+def check_memory(renderer: Renderer, scene: Scene, options: RenderOptions) -> None:
+    """Raise UnsupportedSceneError where an image would not fit into the memory that is free."""
+    limits = renderer.capabilities
+    each = limits.bytes_per_pixel + _HANDED_OVER
+    if options.layers:
+        each += limits.layer_bytes_per_pixel
+    needed, free = scene.v_res * scene.h_res * each, available_bytes()
+    if free is not None and needed > free:
+        raise UnsupportedSceneError(
+            f"{renderer.name}: an image of {scene.v_res}x{scene.h_res} pixels needs about"
+            f" {needed / 2**30:.1f} GiB of memory, found {free / 2**30:.1f} GiB free"
+        )
+
+
 def drawn(
     renderer: Renderer, scene: Scene, options: RenderOptions, progress: Progress | None = None
 ) -> tuple[Rendering, float]:
     """Render by a renderer and check what comes back; return it and the peak memory in MiB.
 
-    Raises UnsupportedSceneError beyond a declared limit, RendererError where the answer is no
-    image.
+    Raises UnsupportedSceneError beyond a declared limit or the memory that is free, RendererError
+    where the answer is no image.
     """
     limits = renderer.capabilities
     for what, value, limit in (
@@ -152,6 +170,7 @@ def drawn(
             raise UnsupportedSceneError(
                 f"{renderer.name} takes at most {limit} {what}, not {value}"
             )
+    check_memory(renderer, scene, options)
     with PeakMemory() as memory:
         made = renderer.render(scene, options, progress)
     if not isinstance(made.image, np.ndarray) or made.image.shape != scene.shape:

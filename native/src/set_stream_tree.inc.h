@@ -29,9 +29,13 @@ static double least_lane(LANES a, MASK group) {
   return least_of(lane, m_bits(group));
 }
 
-/* Fills a bound of E for every sphere in the tree; says for which lanes it is small enough. */
+/* Fills a bound of E for every sphere in the tree, as `meet` has it in the end, from f itself; says
+ * for which lanes it is small enough. */
 static MASK knows_tree(const SWORLD *world, const MIDDLE *q, LANES *error) {
-  *error = q->error + (q->n + 3 * world->bvh->extent) * q->slope;
+  const ct_bvh *bvh = world->bvh;
+  LANES size = q->eo * 2.0 + 3 * bvh->reach;
+  for (int k = 0; k < 3; k++) size = size + l_abs(q->o[k] - bvh->middle[k]);
+  *error = (q->error + size * q->slope) * 1.01;
   return l_less(*error * 8.0, l_all(world->bvh->least_radius));
 }
 

@@ -69,7 +69,9 @@ class Native:
     """The C11 tracer: Whitted's algorithm, every reading and precision, side outputs on request."""
 
     name = "native"
-    capabilities = Capabilities(max_pixels=2**29, stages={"parsing": "crosstrace"})
+    capabilities = Capabilities(
+        max_pixels=2**29, layer_bytes_per_pixel=216, stages={"parsing": "crosstrace"}
+    )
 
     def probe(self) -> Probe:
         """Report the library that this package was built with."""
