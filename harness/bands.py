@@ -1,7 +1,8 @@
 """Large images in bands of rows, so that no one has to hold a whole one.
 
 How an image is cut depends on its shape alone. What is summed up over bands is hence the same to
-the last bit whether the image lies in memory or in a file; one of up to `PIXELS` pixels is one band.
+the last bit whether the image lies in memory or in a file; one of up to `PIXELS` pixels is one
+band.
 """
 
 from __future__ import annotations
