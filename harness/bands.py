@@ -34,7 +34,7 @@ class RowsInMemory:
 
     def __init__(self, image: Array) -> None:
         """Take (rows, columns, 3)."""
-        self.shape: tuple[int, int, int] = image.shape  # type: ignore[assignment]
+        self.shape: tuple[int, int, int] = image.shape
         self._image = image
         self._row = 0
 

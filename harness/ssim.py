@@ -91,7 +91,8 @@ class Tally:
 
     def _take(self, held: list[NDArray[np.float64]], end: int) -> None:
         """Work out the rows up to `end`."""
-        full = np.ones_like(held[0]) if np.array_equal(*held) else _map_of(*held)
+        a, b = held
+        full = np.ones_like(a) if np.array_equal(a, b) else _map_of(a, b)
         rows = full[self._done - self._first_held : end - self._first_held]
         if self._map is not None:
             self._map[self._done : end] = rows

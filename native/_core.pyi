@@ -97,7 +97,8 @@ def render(
     found, the same bits), threads, effects, ray_budget, row_begin, row_end, as texts. `outputs`
     maps names to C-contiguous arrays over the rendered rows: image (3 float64 a pixel), object
     (int32), t (float64), normal (3 float64), tree (uint64), rays (uint32), contributions (6 × 3
-    float64), image_low (3 float64: what rounding `image` to double left out). Raises ValueError for a wrong setting or array, RuntimeError
+    float64), image_low (3 float64: what rounding `image` to double left out).
+    Raises ValueError for a wrong setting or array, RuntimeError
     where the tracer gave up, and whatever `progress` raised. `tree` is what `tree()` returned of
     the same arrays: many spheres are then not sorted again.
     """

@@ -11,6 +11,7 @@ import pytest
 from crosstrace.harness import alone, bands, images, memory, tasks
 from crosstrace.harness.comparison import compare, compare_rows
 from crosstrace.harness.display import DisplayRule
+from crosstrace.harness.lanes import loaded
 from crosstrace.harness.row_files import reading, writing
 from crosstrace.translators.errors import UnsupportedSceneError, UsageError
 from crosstrace.translators.native import adapter
@@ -90,7 +91,7 @@ def test_files_compare_as_the_arrays_in_them(tmp_path: Path, suffix: str) -> Non
     paths = [tmp_path / f"{name}{suffix}" for name in "ab"]
     for path, image in zip(paths, _pair(), strict=True):
         images.write(path, image)
-    expected = compare(*map(images.read, paths)).record()
+    expected = compare(images.read(paths[0]), images.read(paths[1])).record()
     with reading(paths[0]) as first, reading(paths[1]) as second:
         assert compare_rows(first, second).record() == expected
 
@@ -140,7 +141,8 @@ def test_rendering_in_bands_gives_the_whole_image(
 ) -> None:
     """Every pixel to the last bit; the rays are those of all bands, and progress only grows."""
     monkeypatch.setattr(adapter, "BAND_PIXELS", 16 * 40)
-    scene, told = _scene(), []
+    scene = _scene()
+    told: list[float] = []
     whole = adapter.Native().render(scene, RenderOptions())
     made, _ = tasks.render_to_file(
         scene, RenderOptions(), str(tmp_path / "x.npy"), {}, DisplayRule(), told.append
@@ -165,8 +167,8 @@ def test_what_does_not_fit_into_memory_is_refused_and_says_so(
     monkeypatch.setattr(tasks, "available_bytes", lambda: 2 * 2**30)
     big = replace(_scene(), v_res=16384, h_res=16384)
     with pytest.raises(UnsupportedSceneError, match=r"16384x16384 pixels needs about 40\.0 GiB"):
-        tasks.drawn(tasks.loaded("povray"), big, RenderOptions())
-    tasks.check_memory(tasks.loaded("povray"), _scene(), RenderOptions())
+        tasks.drawn(loaded("povray"), big, RenderOptions())
+    tasks.check_memory(loaded("povray"), _scene(), RenderOptions())
 
 
 def test_the_free_memory_is_known_on_linux() -> None:

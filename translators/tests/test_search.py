@@ -53,7 +53,7 @@ def _by(way: str, run: Callable[[list[tuple[str, str]]], Any], **settings: str) 
 
 def _image(scene: Scene, settings: list[tuple[str, str]]) -> dict[str, np.ndarray]:
     shape = (scene.v_res, scene.h_res)
-    outputs = {
+    outputs: dict[str, np.ndarray] = {
         "image": np.empty((*shape, 3)), "image_low": np.empty((*shape, 3)),
         "object": np.empty(shape, np.int32), "t": np.empty(shape),
         "tree": np.empty(shape, np.uint64), "rays": np.empty(shape, np.uint32),
@@ -65,7 +65,7 @@ def _image(scene: Scene, settings: list[tuple[str, str]]) -> dict[str, np.ndarra
 
 def _certified(scene: Scene, settings: list[tuple[str, str]]) -> dict[str, np.ndarray]:
     n = scene.v_res * scene.h_res
-    outputs = {
+    outputs: dict[str, np.ndarray] = {
         "lo": np.empty((n, 3)), "hi": np.empty((n, 3)), "pixel_class": np.empty(n, np.uint8),
         "level": np.empty(n, np.uint8), "decision": np.empty(n, np.uint8),
     }  # fmt: skip
@@ -118,7 +118,10 @@ def test_rays_moved_by_errors_meet_the_same_spheres() -> None:
 
     def samples(scene: Scene, settings: list[tuple[str, str]]) -> dict[str, np.ndarray]:
         n = scene.v_res * scene.h_res
-        outputs = {"colors": np.empty((n, 2, 3)), "trees": np.empty((n, 2), np.uint64)}
+        outputs: dict[str, np.ndarray] = {
+            "colors": np.empty((n, 2, 3)),
+            "trees": np.empty((n, 2), np.uint64),
+        }
         _core.perturb(scene.native_view(), settings, None, 2, 1e-6, 7, outputs, None)
         return outputs
 
@@ -143,7 +146,7 @@ def test_a_million_spheres_render() -> None:
     scene = cloud(10**6)
     all_of_it = _image(scene, [("search", "tree")])
     rows = [("row_begin", "16"), ("row_end", "17"), ("search", "scan"), ("precision", "f64")]
-    row = {"object": np.empty((1, COLUMNS), np.int32), "t": np.empty((1, COLUMNS)),
+    row: dict[str, np.ndarray] = {"object": np.empty((1, COLUMNS), np.int32), "t": np.empty((1, COLUMNS)),
            "image": np.empty((1, COLUMNS, 3))}  # fmt: skip
     _core.render(scene.native_view(), rows, row, None)
     for name, found in row.items():
