@@ -212,6 +212,8 @@ ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_opt
   }
   ct_status status = find_lights_on(frame);
   if (!status) status = set_indices(frame);
+  if (options->choice[CT_NESTING] != CT_NESTING_RELATIVE)
+    frame->eye_medium = ct_media_around_eye(&frame->view, frame->around);
   if (!status) status = open_tree(frame);
   if (status) ct_frame_close(frame);
   return status;

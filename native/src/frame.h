@@ -4,6 +4,7 @@
 #define CT_FRAME_H
 
 #include "bvh.h"
+#include "medium.h"
 #include "options.h"
 #include "wide.h"
 
@@ -25,6 +26,9 @@ typedef struct ct_frame {
   } *lights_on;
   const ct_bvh *bvh; /* NULL: every object is asked */
   ct_bvh *own_bvh;   /* the same where it is the frame's own */
+  /* What the eye is in, but for nesting=relative; the list's links lie in the frame. */
+  ct_medium around[CT_MEDIA_AROUND_EYE];
+  const ct_medium *eye_medium;
 } ct_frame;
 
 ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_options *options);

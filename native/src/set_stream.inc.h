@@ -194,11 +194,8 @@ static void SET_FN(batch)(const void *opaque, const int64_t *pixels, int n,
   BATCH batch = {.limits = limits, .open = out->open};
   STREAM rays;
   COLORS colors;
-  ct_medium around[CT_MEDIA_AROUND_EYE];
-  const ct_medium *medium = NULL;
+  const ct_medium *medium = world->base->frame->eye_medium;
   double row[ROOM], column[ROOM];
-  if (world->base->choice[CT_NESTING] != CT_NESTING_RELATIVE)
-    medium = ct_media_around_eye(view, around);
   rays.n = n;
   for (int i = 0; i < ROOM; i++) {
     int64_t pixel = pixels[i < n ? i : n - 1];

@@ -146,8 +146,10 @@ def test_a_million_spheres_render() -> None:
     scene = cloud(10**6)
     all_of_it = _image(scene, [("search", "tree")])
     rows = [("row_begin", "16"), ("row_end", "17"), ("search", "scan"), ("precision", "f64")]
-    row: dict[str, np.ndarray] = {"object": np.empty((1, COLUMNS), np.int32), "t": np.empty((1, COLUMNS)),
-           "image": np.empty((1, COLUMNS, 3))}  # fmt: skip
+    shape = (1, COLUMNS)
+    row: dict[str, np.ndarray] = {
+        "object": np.empty(shape, np.int32), "t": np.empty(shape), "image": np.empty((*shape, 3)),
+    }  # fmt: skip
     _core.render(scene.native_view(), rows, row, None)
     for name, found in row.items():
         assert found[0].tobytes() == all_of_it[name][16].tobytes()
