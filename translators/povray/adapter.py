@@ -47,7 +47,9 @@ class PovRay:
 
     name = "povray"
     #: No max_depth: how deep the rays of a scene get, and what they carry, shows in rendering it.
-    capabilities = Capabilities(max_objects=1_000_000, stages={"parsing": "crosstrace"})
+    capabilities = Capabilities(
+        max_objects=1_000_000, bytes_per_pixel=64, stages={"parsing": "crosstrace"}
+    )
 
     def probe(self) -> Probe:
         """Find the program and ask for its version."""
