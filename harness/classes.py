@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crosstrace.translators.channels import every, largest
 from crosstrace.translators.ledger import Arithmetic, Emulation, Ledger
 from crosstrace.translators.native.truth import Enclosures
 from crosstrace.translators.native.unexplained import Unexplained
@@ -77,8 +78,8 @@ def tolerance(
     image: NDArray[np.float64], arithmetic: Arithmetic, half_step: float
 ) -> NDArray[np.float64]:
     """Return what counts as equal, pixel by pixel: quantisation, and roundings of the colours."""
-    largest = np.abs(image).max(axis=-1)
-    return np.asarray(half_step + COLOR_UNITS * arithmetic.color_unit * np.maximum(1.0, largest))
+    size = np.maximum(1.0, largest(np.abs(image)))
+    return np.asarray(half_step + COLOR_UNITS * arithmetic.color_unit * size)
 
 
 def classify(
@@ -97,7 +98,7 @@ def classify(
     `truth` encloses the whole frame under `readings`. `half_step` is that of the lane's output.
     With `pixels` (n,), row·h_res + column, image (n, 3), truth and classes are of these alone.
     """
-    finite = np.asarray(np.isfinite(image).all(axis=-1))
+    finite = every(np.isfinite(image))
     values = np.where(finite[..., None], image, 0.0)
     slack = tolerance(values, ledger.arithmetic, half_step)
     classes = np.full(image.shape[:-1], Class.WRONG, np.uint8)
@@ -133,5 +134,5 @@ def fits_enclosure(
 
     Without an enclosure nothing speaks against a value.
     """
-    enclosed = np.isfinite(known.lo).all(axis=-1)
+    enclosed = every(np.isfinite(known.lo))
     return np.asarray(~enclosed | known.fits_alternative(values, slack))

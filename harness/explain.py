@@ -119,7 +119,7 @@ class Explanation:
                 "tree": f"{tree.tree:016x}",
                 "n_rays": tree.n_rays,
                 "rays": [_ray(ray) for ray in tree.rays],
-                "enclosure": None if self.enclosure is None else _enclosure(self.enclosure),
+                "enclosure": None if self.enclosure is None else enclosure_record(self.enclosure),
                 "lanes": [_lane(lane) for lane in self.lanes],
             }
         )
@@ -152,7 +152,7 @@ def explain(
     others = [name for name in names if name != REFERENCE]
     total = 1 + len(others)
     tree, known = alone.explain(scene, row, col, readings, timeout_s)
-    enclosure = None if known is None else _one(known)
+    enclosure = None if known is None else enclosure_at(known, 0)
     if step is not None:
         step(1, total, "ray tree and enclosure")
 
@@ -201,18 +201,20 @@ def _outside(value: Vector, lo: Vector, hi: Vector) -> Vector:
     )
 
 
-def _one(known: Enclosures) -> Enclosure:
-    """Return the only pixel of some enclosures."""
-    count = int(known.n_alternatives[0]) if len(known.n_alternatives) else 0
-    alternatives = known.alternatives[0, :count] if count else ()
+def enclosure_at(known: Enclosures, i: int) -> Enclosure:
+    """Return pixel `i` of the enclosures of a list of pixels."""
+    alternatives = known.alternatives[:0, 0]
+    if known.undecidable[i]:
+        at = int(known.undecidable[:i].sum())
+        alternatives = known.alternatives[at, : int(known.n_alternatives[at])]
     return Enclosure(
-        _vector(known.lo[0]),
-        _vector(known.hi[0]),
-        PixelClass(int(known.pixel_class[0])),
-        Decision(int(known.decision[0])),
-        int(known.depth[0]),
-        int(known.object[0]),
-        ARITHMETIC[int(known.level[0])],
+        _vector(known.lo[i]),
+        _vector(known.hi[i]),
+        PixelClass(int(known.pixel_class[i])),
+        Decision(int(known.decision[i])),
+        int(known.depth[i]),
+        int(known.object[i]),
+        ARITHMETIC[int(known.level[i])],
         tuple((_vector(lo), _vector(hi)) for lo, hi in alternatives),
     )
 
@@ -227,7 +229,8 @@ def _ray(ray: Ray) -> dict[str, Any]:
     return asdict(ray) | names
 
 
-def _enclosure(known: Enclosure) -> dict[str, Any]:
+def enclosure_record(known: Enclosure) -> dict[str, Any]:
+    """Return what is known of a pixel, as `Explanation.record` documents it."""
     return {
         "lo": known.lo,
         "hi": known.hi,

@@ -15,7 +15,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness import blame, colormap, declared, images, ray_path, regions
+from crosstrace.harness import (
+    blame,
+    colormap,
+    declared,
+    images,
+    ray_path,
+    regions,
+    shown,
+)
 from crosstrace.harness.classes import Class, Classified, classify
 from crosstrace.harness.lanes import REFERENCE, loaded
 from crosstrace.harness.store import Place
@@ -29,7 +37,7 @@ Array = NDArray[np.float64]
 
 #: Rows of the image in which float128, a hundred times as slow as double, is held against the
 #: enclosures.
-CHECKED_ROWS = 2
+CHECKED_ROWS = 1
 
 #: Rays of a tree that are looked at for its outline.
 _MOST_RAYS = 1000
@@ -116,10 +124,20 @@ def judge_files(
     threads: int,
     places: Mapping[str, Place],
     version: str,
+    common: Place,
 ) -> dict[str, Any]:
-    """Judge the lanes' scratch files, draw their classes at `places`; return the record."""
+    """Judge the lanes' scratch files, draw their classes at `places`; return the record.
+
+    What is of no lane in particular goes to `common`: the object that each pixel shows, and the
+    pixels to show exactly.
+    """
     lanes = {e.lane: (np.load(e.pixels), e.half_step) for e in exhibits}
     found = judge(scene, lanes, readings, threads)
+    far = {lane: found.known.distance(image) for lane, (image, _) in lanes.items()}
+    started = time.perf_counter()
+    left = shown.files(scene, {lane: image for lane, (image, _) in lanes.items()}, found, far,
+                       readings, threads, common)  # fmt: skip
+    seconds = {**found.seconds, "pixels": time.perf_counter() - started}
     return {
         "message": "",
         "verdict": found.verdict.word,
@@ -132,13 +150,15 @@ def judge_files(
             "float128_outside": found.violations,
         },
         "stages": {stage: dict(row) for stage, row in found.stages.items()},
-        "seconds": dict(found.seconds),
+        "seconds": seconds,
+        "images": left,
         "lanes": {
             lane: {
                 "classes": classified.counts,
                 "tolerance": classified.tolerance_at_one,
                 "regions": [asdict(region) for region in found.found[lane][0]],
                 "n_regions": found.found[lane][1],
+                "excess": shown.excess(classified, far[lane]),
                 "declared": [asdict(met) for met in found.declared[lane]],
                 "image": _draw(classified, places[lane], version),
             }

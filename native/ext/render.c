@@ -15,7 +15,8 @@ static const named_output table[] = {
 };
 
 PyObject *core_render(PyObject *module, PyObject *arguments) {
-  PyObject *scene, *settings, *arrays, *progress, *squares = Py_None, *result = NULL;
+  PyObject *scene, *settings, *arrays, *progress, *result = NULL;
+  PyObject *tree = Py_None, *squares = Py_None;
   long long side = 1;
   call c = {0};
   ct_outputs outputs = {0};
@@ -24,10 +25,18 @@ PyObject *core_render(PyObject *module, PyObject *arguments) {
   const int64_t *cells = NULL;
   uint64_t n_cells = 0;
   (void)module;
-  if (!PyArg_ParseTuple(arguments, "OO!O!O|OL", &scene, &PyList_Type, &settings, &PyDict_Type,
-                        &arrays, &progress, &squares, &side) ||
+  if (!PyArg_ParseTuple(arguments, "OO!O!O|OOL", &scene, &PyList_Type, &settings, &PyDict_Type,
+                        &arrays, &progress, &tree, &squares, &side) ||
       call_open(&c, scene, settings, progress) != 0)
     return NULL;
+  if (tree != Py_None) {
+    const ct_tree *built = PyCapsule_GetPointer(tree, "ct_tree");
+    if (!built) {
+      call_release(&c);
+      return NULL;
+    }
+    ct_options_set_tree(c.options, built);
+  }
   if (call_open_pixels(&c, squares, &list, &cells, &n_cells) != 0) {
     call_release(&c);
     return NULL;
@@ -53,4 +62,24 @@ PyObject *core_render(PyObject *module, PyObject *arguments) {
   if (cells) PyBuffer_Release(&list);
   call_release(&c);
   return result;
+}
+
+static void free_tree(PyObject *capsule) {
+  ct_tree_free(PyCapsule_GetPointer(capsule, "ct_tree"));
+}
+
+PyObject *core_tree(PyObject *module, PyObject *tuple) {
+  scene_argument scene;
+  ct_tree *tree = NULL;
+  ct_status status;
+  (void)module;
+  if (scene_argument_open(tuple, &scene) != 0) return NULL;
+  Py_BEGIN_ALLOW_THREADS
+  status = ct_tree_new(&scene.view, &tree);
+  Py_END_ALLOW_THREADS
+  scene_argument_close(&scene);
+  if (call_raise(status) != 0) return NULL;
+  PyObject *capsule = PyCapsule_New(tree, "ct_tree", free_tree);
+  if (!capsule) ct_tree_free(tree);
+  return capsule;
 }

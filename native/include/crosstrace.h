@@ -128,6 +128,17 @@ CT_API ct_status ct_options_set_rounding(ct_options *options, const char *mode, 
  * processor has is no error. Every set gives the same bits; fewer are slower. */
 CT_API ct_status ct_options_set_instructions(ct_options *options, const char *most,
                                              ct_fault *fault);
+/* How the objects that a ray meets are found: scan asks every one, tree (a tree of boxes over the
+ * spheres) those near the ray; auto (the default) takes the tree where there are enough spheres for
+ * it to pay. All give the same bits. */
+CT_API ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *fault);
+/* The tree of a scene, to render it in several calls (bands of rows, other readings) and build but
+ * once. It is used for views with the same eye and the same arrays; other calls build their own.
+ * *out is NULL on failure. The options borrow it; NULL takes it away again. */
+typedef struct ct_tree ct_tree;
+CT_API ct_status ct_tree_new(const ct_scene_view *view, ct_tree **out);
+CT_API void ct_tree_free(ct_tree *tree);
+CT_API void ct_options_set_tree(ct_options *options, const ct_tree *tree);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);

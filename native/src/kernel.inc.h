@@ -78,9 +78,7 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
   const WORLD *world = opaque;
   RAY ray = FN(primary)(world, pixel, row, column);
   SPLIT split;
-  ct_medium around[CT_MEDIA_AROUND_EYE];
-  if (world->choice[CT_NESTING] != CT_NESTING_RELATIVE)
-    ray.medium = ct_media_around_eye(world->view, around);
+  ray.medium = world->frame->eye_medium;
   VEC color = FN(trace)(world, pixel, &ray, &split, &pixel->tree);
   v_store(color, pixel->color);
   v_store_low(color, pixel->color_low);

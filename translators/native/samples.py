@@ -79,11 +79,12 @@ def _full(
     fine, image = _finer(scene, side).native_view(), np.empty(scene.shape)
     rows = max(1, _AT_ONCE // (scene.h_res * side * side))
     rays: Counter[str] = Counter()
+    tree = _core.tree(fine)
     for top in range(0, scene.v_res, rows):
         bottom = min(top + rows, scene.v_res)
         band = np.empty(((bottom - top) * side, scene.h_res * side, 3))
         span = [("row_begin", str(top * side)), ("row_end", str(bottom * side))]
-        rays.update(_core.render(fine, [*settings, *span], {"image": band}, None))
+        rays.update(_core.render(fine, [*settings, *span], {"image": band}, None, tree))
         image[top:bottom] = _means(band, side)
         progress(bottom / scene.v_res)
     return image, _counts(rays)
@@ -96,7 +97,8 @@ def _adaptive(
     colors, trees = np.empty((*shape, 3)), np.empty(shape, np.uint64)
     rays: Counter[str] = Counter()
     first = _finer(scene, FIRST_SIDE).native_view()
-    rays.update(_core.render(first, settings, {"image": colors, "tree": trees}, None))
+    tree = _core.tree(first)
+    rays.update(_core.render(first, settings, {"image": colors, "tree": trees}, None, tree))
     image = _means(colors, FIRST_SIDE)
     cells = np.flatnonzero(refined(trees, colors)).astype(np.int64)
     fine, pixels = _finer(scene, side).native_view(), image.reshape(-1, 3)
@@ -104,7 +106,7 @@ def _adaptive(
     for start in range(0, len(cells), at_once):
         some = np.ascontiguousarray(cells[start : start + at_once])
         samples = np.empty((len(some), side * side, 3))
-        counts = _core.render(fine, settings, {"image": samples}, None, some, side)
+        counts = _core.render(fine, settings, {"image": samples}, None, tree, some, side)
         rays.update(counts)
         pixels[some] = samples.mean(axis=1)
         progress((start + len(some)) / len(cells))

@@ -99,7 +99,7 @@ def test_cells_have_the_bits_of_the_frame(
     image = np.empty((5, side, side, 3))
     rays = np.empty((5, side, side), np.uint32)
     counts = _core.render(scene.native_view(), [("precision", precision)],
-                          {"image": image, "rays": rays}, None, cells, side)  # fmt: skip
+                          {"image": image, "rays": rays}, None, None, cells, side)  # fmt: skip
     assert np.array_equal(image, squares[cells])
     kinds = ("primary", "shadow", "reflected", "refracted")
     assert sum(counts[kind] for kind in kinds) == rays.sum()
@@ -113,7 +113,7 @@ def test_cells_that_are_not_there_are_refused(
     scene = random_scene(11).resized(6, 15)
     image = np.empty((1, max(side, 0), max(side, 0), 3))
     with pytest.raises(ValueError):
-        _core.render(scene.native_view(), [], {"image": image}, None, np.array(cells), side)
+        _core.render(scene.native_view(), [], {"image": image}, None, None, np.array(cells), side)
 
 
 def test_truth_is_that_of_the_centre() -> None:
