@@ -92,9 +92,7 @@ def command(
         options.check_directory(output)
     with console.progress(quiet, f"scenes: {len(todo)}") as bar:
         for event in experiment.study(todo, how):
-            text = f"{event.scene} {event.what}"
-            failed = f": {event.failed}" if event.failed else ""
-            bar.update(event.done, event.total, text + failed, bool(failed))
+            bar.update(*event.progress, stage=event.stage)
     made = record.record(todo, how, wish)
     if output is not None:
         from crosstrace.harness.study.files import publish

@@ -95,7 +95,7 @@ def study(todo: Sequence[Entry], options: Options) -> Iterator[Event]:
             for name in REFERENCES:
                 failed = _refer(pool, entry, name, options)
                 done += 1
-                yield Event(done, total, entry.source.name, f"{name} reference", failed)
+                yield Event(done, total, entry.source.name, name, failed, "references")
             facts = entry.references.get("deep")
             depths = references.depths(entry.scene, facts) if facts else []
             entry.plan = [
@@ -112,7 +112,7 @@ def study(todo: Sequence[Entry], options: Options) -> Iterator[Event]:
                     failed = _try(pool, entry, point, options, missing)
                 done += 1
                 what = f"{point.renderer} {point.label}"
-                yield Event(done, total, entry.source.name, what, failed)
+                yield Event(done, total, entry.source.name, what, failed, "timing")
             _find_fronts(entry, options.metric)
 
 

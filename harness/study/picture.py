@@ -26,7 +26,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 74, 24, 58, 78
 #: Kind → its colour and dashes.
 LINES = {
     "rounding": ("#0072b2", ""),
-    "certified": ("#7f3c8d", "1 4"),
+    "certified": ("#b07cc6", "1 4"),
     "model": ("#cc79a7", "2 3 8 3"),
     "offset": ("#e69f00", "8 3"),
     "pruning": ("#56b4e9", "12 3 2 3"),
@@ -80,6 +80,7 @@ def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str) -> Iterat
     for point, (x, y) in zip(known, places, strict=True):
         if not point["pareto"]:
             yield _mark(point, x, y, 'class="soft"', 0.7)
+    fronts = {}
     labels = Labels((_LEFT, _TOP, WIDTH - _RIGHT, HEIGHT - _BOTTOM), places)
     for kind in KINDS:
         front = [
@@ -88,7 +89,11 @@ def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str) -> Iterat
             if point["kind"] == kind and point["pareto"]
         ]
         if front:
-            yield from _front(kind, sorted(front, key=lambda it: it[1]), labels)
+            # From the left; of two at one time the worse first, as a front falls.
+            fronts[kind] = sorted(front, key=lambda it: it[1])
+            labels.keep_off([place for _, place in fronts[kind]])
+    for kind, front in fronts.items():
+        yield from _front(kind, front, labels)
 
 
 def _front(
@@ -105,10 +110,7 @@ def _front(
     x, y = front[-1][1] if len(front) > 1 else front[0][1]
     said = labels.place(kind, x, y, 7.6)
     if said:
-        yield (
-            f'<text x="{said[0]:.1f}" y="{said[1]:.1f}" font-weight="700" '
-            f'style="fill:{color}">{kind}</text>'
-        )
+        yield (f'<text x="{said[0]:.1f}" y="{said[1]:.1f}" font-weight="700">{kind}</text>')
     for point, (x, y) in front:
         said = labels.place(_short_label(point), x, y, 6.0)
         if said:
