@@ -49,7 +49,7 @@ text{fill:currentColor}.grid{stroke:currentColor;stroke-opacity:.14}
 .small{font-size:11px}.front{fill:none;stroke-width:2}"""
 
 
-def picture(points: Sequence[Mapping[str, Any]], metric: str) -> str:
+def picture(points: Sequence[Mapping[str, Any]], metric: str, clock: str = "wall") -> str:
     """Draw records of points: one plot a scene, one below the other."""
     scenes = list(dict.fromkeys(point["scene"] for point in points))
     height = HEIGHT * max(1, len(scenes))
@@ -57,7 +57,7 @@ def picture(points: Sequence[Mapping[str, Any]], metric: str) -> str:
     for i, name in enumerate(scenes):
         some = [point for point in points if point["scene"] == name]
         body.append(f'<g transform="translate(0 {i * HEIGHT})">')
-        body += _plot(name, some, metric)
+        body += _plot(name, some, metric, clock)
         body.append("</g>")
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" '
@@ -66,7 +66,7 @@ def picture(points: Sequence[Mapping[str, Any]], metric: str) -> str:
     return "\n".join([head, f"<style>{_STYLE}</style>", *body, "</svg>"]) + "\n"
 
 
-def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str) -> Iterator[str]:
+def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str, clock: str) -> Iterator[str]:
     known = [p for p in points if p["error"][metric] is not None and p["seconds"] > 0]
     yield f'<text class="title" x="{_LEFT}" y="24">{escape(name)}: what accuracy costs</text>'
     yield from _legend({p["renderer"] for p in known})
@@ -75,7 +75,7 @@ def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str) -> Iterat
         return
     across = Axis.around([p["seconds"] for p in known], _LEFT, WIDTH - _RIGHT)
     up = Axis.around([p["error"][metric] for p in known], HEIGHT - _BOTTOM, _TOP)
-    yield from _grid(across, up, metric)
+    yield from _grid(across, up, metric, clock)
     places = [(across(p["seconds"]), up(p["error"][metric])) for p in known]
     for point, (x, y) in zip(known, places, strict=True):
         if not point["pareto"]:
@@ -148,7 +148,7 @@ def _legend(renderers: set[str]) -> Iterator[str]:
     yield f'<text x="{x + 11}" y="46">not on the front of its kind</text>'
 
 
-def _grid(across: Axis, up: Axis, metric: str) -> Iterator[str]:
+def _grid(across: Axis, up: Axis, metric: str, clock: str) -> Iterator[str]:
     left, right, top, bottom = _LEFT, WIDTH - _RIGHT, _TOP, HEIGHT - _BOTTOM
     for exponent in decades(across):
         x = across(10.0**exponent)
@@ -162,8 +162,9 @@ def _grid(across: Axis, up: Axis, metric: str) -> Iterator[str]:
         y = up(0.0)
         yield f'<line class="grid" x1="{left}" y1="{y:.1f}" x2="{right}" y2="{y:.1f}"/>'
         yield f'<text x="{left - 8}" y="{y + 4:.1f}" text-anchor="end">0</text>'
+    said = "seconds an image" if clock == "wall" else "processor seconds an image"
     middle, height = (left + right) / 2, (top + bottom) / 2
-    yield f'<text x="{middle}" y="{bottom + 40}" text-anchor="middle">seconds an image</text>'
+    yield f'<text x="{middle}" y="{bottom + 40}" text-anchor="middle">{said}</text>'
     yield (
         f'<text transform="translate(18 {height}) rotate(-90)" text-anchor="middle">'
         f"{METRICS[metric]} on linear float</text>"
