@@ -107,15 +107,14 @@ def _front(
     )
     for point, (x, y) in front:
         yield _mark(point, x, y, f'fill="{color}" stroke="{color}"', 1.0)
-    x, y = front[-1][1] if len(front) > 1 else front[0][1]
-    said = labels.place(kind, x, y, 7.6)
-    if said:
-        yield (f'<text x="{said[0]:.1f}" y="{said[1]:.1f}" font-weight="700">{kind}</text>')
-    for point, (x, y) in front:
-        said = labels.place(_short_label(point), x, y, 6.0)
-        if said:
-            text = escape(_short_label(point))
-            yield f'<text class="small" x="{said[0]:.1f}" y="{said[1]:.1f}">{text}</text>'
+    # The last point's name first: beside it that of the front.
+    for number, (point, (x, y)) in enumerate(reversed(front)):
+        words = [(_short_label(point), 6.0, 'class="small"')]
+        words += [(kind, 7.6, 'font-weight="700"')] if number == 0 else []
+        for text, advance, look in words:
+            said = labels.place(text, x, y, advance)
+            if said:
+                yield f'<text {look} x="{said[0]:.1f}" y="{said[1]:.1f}">{escape(text)}</text>'
 
 
 def _short_label(point: Mapping[str, Any]) -> str:
@@ -126,7 +125,7 @@ def _short_label(point: Mapping[str, Any]) -> str:
     if text == "default":
         return str(point["renderer"])
     # Its error is 0 because it is what the others are measured with.
-    return f"{text}, the yardstick" if text == "f128" and point["kind"] == "rounding" else text
+    return f"{text} (yardstick)" if text == "f128" and point["kind"] == "rounding" else text
 
 
 def _mark(point: Mapping[str, Any], x: float, y: float, look: str, size: float) -> str:
