@@ -19,6 +19,7 @@
 #include "stream_store.inc.h"
 #include "stream_hit.inc.h"
 #include "stream_cull.inc.h"
+#include "stream_prune.inc.h"
 #include "stream_trace.inc.h"
 
 /* The ways of the rays through the centres of a rectangle of pixels (specification 2.3), not of
@@ -43,6 +44,7 @@ static void aim(const WORLD *world, const ct_tile *pixels, BUNDLE *bundle) {
     VECS way = vs_add(vs_scale(x, vs_all(world->u)), vs_scale(y, vs_all(world->v)));
     vs_store(&bundle->direction, at, vs_sub(way, forward));
     vs_store(&bundle->origin, at, eye);
+    if (bundle->slack) l_store(bundle->slack + at, l_all(from_double(world->reach.slack)));
   }
 }
 

@@ -22,6 +22,8 @@ typedef struct FN(row) {
   uint64_t *tree; /* of the vector's rays; NULL: nobody asks */
   uint32_t *rays; /* of the vector's rays; NULL: nobody asks */
   SIGHT *sight;
+  const REAL *slack; /* of the vector's rays; NULL: nothing is pruned */
+  REAL most;         /* that a secondary ray returns */
 } FN(row);
 #define ROW FN(row)
 
@@ -63,17 +65,19 @@ INLINE const uint64_t *blockers_of(const STAGE *stage, SIGHT *sight, size_t j) {
 /* ---- One pass ---- */
 
 /* Sends the lanes of `sent` on along `direction`. */
-INLINE unsigned send(BRANCH *branch, size_t at, MASK sent, LANES weight, VECS point,
+INLINE unsigned send(BRANCH *branch, size_t at, MASK sent, LANES weight, LANES part, VECS point,
                      VECS direction) {
   unsigned lanes = m_bits(sent), n = (unsigned)__builtin_popcount(lanes);
   if (!lanes) return 0;
   branch->parcel[branch->n_parcels++] = (PARCEL){(uint16_t)at, (uint16_t)lanes};
   if (n < N_LANES) {
     weight = l_pack(sent, weight);
+    if (branch->rays.slack) part = l_pack(sent, part);
     point = vs_pack(sent, point);
     direction = vs_pack(sent, direction);
   }
   l_store(branch->weight + branch->rays.n, weight);
+  if (branch->rays.slack) l_store(branch->rays.slack + branch->rays.n, part / weight);
   vs_store(&branch->rays.origin, branch->rays.n, point);
   vs_store(&branch->rays.direction, branch->rays.n, direction);
   branch->rays.n += n;
@@ -134,8 +138,13 @@ INLINE void scatter_of(STORE *store, const SURFACE *s, const ROW *row, VECS poin
     store->first.total[row->at / N_LANES] |= (uint16_t)m_bits(total);
   if (branches) {
     ct_pixel *pixel = store->pixel;
-    pixel->n_reflected += send(branches, row->at, back, kr, point, mirrored);
-    pixel->n_refracted += send(branches + 1, row->at, through, l_all(s->kt), point, refracted);
+    LANES part = zero;
+    if (row->slack)
+      part = prune_lanes(l_load(row->slack), row->most, kr, l_where(through, l_all(s->kt)), &back,
+                          &through);
+    pixel->n_reflected += send(branches, row->at, back, kr, part, point, mirrored);
+    pixel->n_refracted +=
+        send(branches + 1, row->at, through, l_all(s->kt), part, point, refracted);
   } else if (store->stage->ends_lit) {
     *color = end_rays(store, *color, row->at, back, total, kr, TERM_REFLECTION, is_first);
     *color = end_rays(store, *color, row->at, through, m_none(), l_all(s->kt), TERM_REFRACTION,
@@ -213,7 +222,8 @@ static void trace_one_by_one(STORE *store, const BUNDLE *bundle, int64_t depth) 
     VEC way = v_make(bundle->direction.x[k], bundle->direction.y[k], bundle->direction.z[k]);
     VEC point = v_make(bundle->origin.x[k], bundle->origin.y[k], bundle->origin.z[k]);
     VEC direction = v_over(way, v_length(way));
-    RAY ray = {v_along(point, world->epsilon, direction), direction, depth, 0, NULL};
+    RAY ray = {v_along(point, world->epsilon, direction), direction, depth, 0, NULL,
+               bundle->slack ? bundle->slack[k] : from_double(0)};
     uint64_t tree = 0;
     store->pixel->n_rays = 0;
     VEC color = FN(trace)(world, store->pixel, &ray, NULL, &tree);
@@ -275,8 +285,10 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
   if (store->pixel->n_unreported >= 4096) ct_pixel_report(store->pixel);
   size_t mark = store->used;
   BRANCH branches[2];
+  REAL most = from_double(0);
   int sends = stage->has_scatter && depth < stage->world->frame->max_depth;
   for (int k = 0; sends && k < 2; k++) branches[k] = take_branch(store, bundle->n);
+  if (sends && bundle->slack) most = most_returned(stage->world, depth + 1);
   VECS missed = vs_all(is_first ? stage->background : stage->missed), zero = vs_all(v_zero());
   REAL t[BUNDLE_RAYS + N_LANES];
   LANE_ID object[BUNDLE_RAYS + N_LANES];
@@ -290,7 +302,8 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
     VECS direction = vs_load(&bundle->direction, at), point = vs_load(&bundle->origin, at);
     HITS hits = {l_load(t + at), i_load(object + at)};
     unsigned left = m_bits(m_and(live, l_is_number(hits.t)));
-    ROW row = {.at = at, .sight = &sight};
+    ROW row = {.at = at, .sight = &sight, .most = most};
+    if (bundle->slack) row.slack = bundle->slack + at;
     if (bundle->rays) {
       row.rays = bundle->rays + at;
       for (int k = 0; k < N_LANES; k++) row.rays[k] = 1;

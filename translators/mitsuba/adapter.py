@@ -86,7 +86,7 @@ class _Mitsuba:
         return Translation({file: text(elements)}, command(elements, file))
 
     def _called_for(self, scene: Scene, options: RenderOptions) -> frozenset[str]:
-        readings.only_default(options.readings, self.name)
+        readings.only_default(options.readings, self.name, options.tolerance)
         asked = options.effects
         called_for = frozenset(effects(scene).names) if asked is None else frozenset(asked)
         fidelity.refuse(self.name, scene, called_for, self.capabilities, self.magnitudes)

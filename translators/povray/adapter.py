@@ -73,7 +73,7 @@ class PovRay:
         self, scene: Scene, options: RenderOptions, progress: Progress | None = None
     ) -> Rendering:
         """Render a scene; see the protocol for what is raised."""
-        only_default(options.readings, self.name)
+        only_default(options.readings, self.name, options.tolerance)
         program = process.find_program()
         started = time.perf_counter()
         analysis = picture.analyse(scene, options.effects)
@@ -122,7 +122,7 @@ class PovRay:
 
     def translate(self, scene: Scene, options: RenderOptions) -> Translation:
         """Write a scene description with a comment saying how to call plain `povray` for it."""
-        only_default(options.readings, self.name)
+        only_default(options.readings, self.name, options.tolerance)
         analysis = picture.analyse(scene, options.effects)
         name = picture.file_name(scene.name)
         scale = output.written_scale(analysis.bound)
