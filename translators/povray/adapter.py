@@ -88,7 +88,7 @@ class PovRay:
 
             def render_at(scale: float) -> output.Picture:
                 image.unlink(missing_ok=True)
-                call = picture.arguments(scene, source.name, image.name, "P", str(threads))
+                call = picture.arguments(analysis.plan, source.name, image.name, "P", str(threads))
                 call += ["+V", f"Declare=output_scale={scale!r}"]
                 call += ["+GS"] if analysis.plan.deep else []
                 share = output.shared(progress, analysis.bound, len(passes))
@@ -116,6 +116,7 @@ class PovRay:
                 "output_scale": made.scale,
                 "output_scales": list(made.passes),
                 "max_trace_level": analysis.plan.depth + 1,
+                "quality": analysis.plan.quality,
             },
             messages=messages,
         )
@@ -126,7 +127,8 @@ class PovRay:
         analysis = picture.analyse(scene, options.effects)
         name = picture.file_name(scene.name)
         scale = output.written_scale(analysis.bound)
-        command = " ".join(["povray", *picture.arguments(scene, f"{name}.pov", f"{name}.png", "N")])
+        arguments = picture.arguments(analysis.plan, f"{name}.pov", f"{name}.png", "N")
+        command = " ".join(["povray", *arguments])
         said = picture.comment(analysis, command, scale)
         return Translation({f"{name}.pov": said + self.text(analysis, scale)}, command)
 
