@@ -139,6 +139,10 @@ typedef struct ct_tree ct_tree;
 CT_API ct_status ct_tree_new(const ct_scene_view *view, ct_tree **out);
 CT_API void ct_tree_free(ct_tree *tree);
 CT_API void ct_options_set_tree(ct_options *options, const ct_tree *tree);
+/* Leaves out secondary rays that can hardly matter: every channel of a pixel is at most `tolerance`
+ * less than without, never more. 0 (the default) leaves out none. A tree's hash and the counts of
+ * rays are of what is traced; ct_certify takes no notice. */
+CT_API ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fault *fault);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);

@@ -28,6 +28,8 @@ from crosstrace.translators.scene import Scene
 CONTRIBUTIONS = ("base", "diffuse", "specular", "reflection", "refraction", "total_reflection")
 
 
+LARGEST_TOLERANCE = 1e100
+
 #: The scalar types of the tracer, narrowest first; a platform may lack f80 or f128.
 PRECISIONS = {
     "f32": "float, 2^-24",
@@ -52,6 +54,12 @@ def check_precision(precision: str) -> None:
     """Raise UsageError for a precision that this platform does not have."""
     if precision not in (present := _core.precisions()):
         raise UsageError(f"precision: expected one of {', '.join(present)}, found {precision!r}")
+
+
+def check_tolerance(tolerance: float) -> None:
+    """Raise UsageError for what is no tolerance."""
+    if not 0 <= tolerance <= LARGEST_TOLERANCE:
+        raise UsageError(f"tolerance: expected a number from 0 to 1e100, found {tolerance!r}")
 
 
 #: What the native library was compiled with.
@@ -158,12 +166,14 @@ def _render(
 ) -> Rendering:
     readings_of_the_specification.check(options.readings)
     check_precision(options.precision)
+    check_tolerance(options.tolerance)
     started = time.perf_counter()
     called_for = options.effects
     wanted = effects(scene, options.readings).overall if called_for is None else mask(called_for)
     outputs = _outputs(end - begin, scene.h_res, options)
     settings = [*options.readings.items(), ("precision", options.precision),
                 ("threads", str(options.threads)), ("effects", str(wanted)),
+                ("tolerance", repr(float(options.tolerance))),
                 ("row_begin", str(begin)), ("row_end", str(end))]  # fmt: skip
     translated = time.perf_counter()
     try:
@@ -173,6 +183,8 @@ def _render(
     seconds = Seconds(0.0, translated - started, time.perf_counter() - translated)
     record: dict[str, Any] = {"precision": options.precision, "rays": rays,
                               "readings": dict(options.readings)}  # fmt: skip
+    if options.tolerance:
+        record["tolerance"] = options.tolerance
     image = outputs.pop("image")
     return Rendering(image, seconds, settings=record, layers=outputs)
 
