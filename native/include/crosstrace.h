@@ -148,6 +148,10 @@ CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
 /* Renders rows [begin, end) only; outputs then start at row begin. end 0: to the last row. */
 CT_API void ct_options_set_rows(ct_options *options, int64_t begin, int64_t end);
+/* Where in its pixel a primary ray passes: 0 (the default) through the centre, as the specification
+ * has it; otherwise a point that is uniform over the pixel and depends on this seed, the row and the
+ * column alone. CT_ERR_OPTION from ct_certify, whose truth is that of the centre. */
+CT_API void ct_options_set_jitter(ct_options *options, uint64_t seed);
 
 /* The table of readings, index from 0; NULL past the end. `values` are separated by '|'. */
 CT_API const char *ct_reading_name(size_t index);
@@ -195,6 +199,17 @@ typedef int (*ct_progress)(void *user, uint64_t done, uint64_t total);
 
 CT_API ct_status ct_render(const ct_scene_view *view, const ct_options *options,
                     const ct_outputs *outputs, ct_progress progress, void *user, ct_stats *stats);
+
+enum { CT_LARGEST_CELL = 64 };
+
+/* Renders some cells of a frame that is cut into squares of side x side pixels, such as the samples
+ * of some pixels of a coarser frame. `cells` are indices row * (h_res / side) + column of squares;
+ * v_res and h_res have to be multiples of side, 1 to CT_LARGEST_CELL. Outputs are n_cells x side x
+ * side, in that order, with the bits of ct_render; the options' rows are not heeded. */
+CT_API ct_status ct_render_cells(const ct_scene_view *view, const ct_options *options,
+                                 const int64_t *cells, uint64_t n_cells, int64_t side,
+                                 const ct_outputs *outputs, ct_progress progress, void *user,
+                                 ct_stats *stats);
 
 /* ---- Certification ---- */
 

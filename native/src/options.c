@@ -175,6 +175,7 @@ ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fau
 void ct_options_set_effects(ct_options *options, unsigned mask) { options->effects = mask; }
 void ct_options_set_threads(ct_options *options, unsigned n) { options->n_threads = n; }
 void ct_options_set_ray_budget(ct_options *options, uint64_t n) { options->ray_budget = n; }
+void ct_options_set_jitter(ct_options *options, uint64_t seed) { options->jitter = seed; }
 void ct_options_set_rows(ct_options *options, int64_t begin, int64_t end) {
   options->row_begin = begin;
   options->row_end = end;
