@@ -103,5 +103,8 @@ def render(
     the same arrays: many spheres are then not sorted again.
     """
 
-def tree(scene: tuple[Any, ...], /) -> Any:
-    """Sort a scene's spheres into a tree, for several calls of `render`; MemoryError."""
+def tree(scene: tuple[Any, ...], progress: Callable[[float], object] | None, /) -> Any:
+    """Sort a scene's spheres into a tree, for several calls of `render`.
+
+    `progress` is called with 0, and ends the work by an exception. Raises MemoryError besides.
+    """
