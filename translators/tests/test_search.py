@@ -144,16 +144,16 @@ def test_sorting_many_spheres_can_be_stopped() -> None:
     """Before the first ray is traced: by the exception of the callback, which gets through."""
     scene = cloud(300_000)
 
-    class Enough(Exception):
+    class EnoughError(Exception):
         pass
 
     def stop(_: float) -> None:
-        raise Enough
+        raise EnoughError
 
     outputs = {"image": np.empty((ROWS, COLUMNS, 3))}
     for run in (lambda: _core.tree(scene.native_view(), stop),
                 lambda: _core.render(scene.native_view(), [], outputs, stop)):  # fmt: skip
-        with pytest.raises(Enough):
+        with pytest.raises(EnoughError):
             run()
 
 
