@@ -115,6 +115,21 @@ def explain(
     return known
 
 
+def classes_at(
+    scene: Scene,
+    row: int,
+    column: int,
+    known: Enclosures,
+    values: Mapping[str, Pixel],
+    readings: Mapping[str, str],
+    timeout_s: float | None,
+) -> dict[str, str]:
+    """Class each lane's value of the one pixel that `known` encloses."""
+    task = Task(tasks.classes_at, "native", timeout_s=timeout_s, label="native: classing")
+    found: dict[str, str] = call(task, scene, row, column, known, dict(values), dict(readings))
+    return found
+
+
 def pixels(
     lanes: Iterable[str], scene: Scene, options: RenderOptions, row: int, column: int
 ) -> Iterator[tuple[str, Pixel | BaseException]]:

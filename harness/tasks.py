@@ -70,6 +70,31 @@ def explain(
     return tree, enclose(scene, readings, pixels=np.array([row * scene.h_res + column]))
 
 
+def classes_at(
+    scene: Scene,
+    row: int,
+    column: int,
+    known: Enclosures,
+    values: Mapping[str, tuple[tuple[float, float, float], float]],
+    readings: Mapping[str, str],
+) -> dict[str, str]:
+    """Class each lane's value, with its half step, of the one pixel that `known` encloses."""
+    from crosstrace.harness.classes import NAMES, classify
+
+    pixels = np.array([row * scene.h_res + column])
+    return {
+        lane: NAMES[
+            int(
+                classify(
+                    scene, known, np.array([value]), loaded(lane).ledger(scene),
+                    half_step=half_step, readings=readings, pixels=pixels,
+                ).classes[0]
+            )
+        ]
+        for lane, (value, half_step) in values.items()
+    }  # fmt: skip
+
+
 def pixel(
     lane: str, scene: Scene, options: RenderOptions, row: int, column: int
 ) -> tuple[tuple[float, float, float], float]:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
               help=".npy, .npz (float64), .exr, .pfm (float32), .png or .ppm (8-bit).")  # fmt: skip
 @options.settings
 @options.precision
+@click.option("--tolerance", type=click.FloatRange(0, 1e100), default=0.0, metavar="T",
+              help="Native: leave out rays that darken no channel by more than T.")  # fmt: skip
 @click.option("--aov", is_flag=True, help="Add native's side outputs to an .npz: object, t, "
               "normal, tree, rays, contributions.")  # fmt: skip
 @click.option("--certify", is_flag=True,
@@ -40,6 +42,7 @@ def command(
     output: Path,
     settings: tuple[str, ...],
     precision: str,
+    tolerance: float,
     aov: bool,
     certify: bool,
     size: tuple[int, int] | None,
@@ -62,9 +65,11 @@ def command(
     lane = options.one_lane(lane)
     rule, readings = options.split_settings(settings)
     _check(lane, output, rule, {"--aov": aov, "--certify": certify,
-                                f"--precision {precision}": precision != "f64"})  # fmt: skip
+                                f"--precision {precision}": precision != "f64",
+                                f"--tolerance {tolerance:g}": tolerance > 0})  # fmt: skip
     source = options.one_scene(scene, delivery, size)
-    how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov)
+    how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov,
+                        tolerance=tolerance)  # fmt: skip
     in_bands = lane == REFERENCE and not aov and not certify and is_large(*source.scene.shape[:2])
     with console.progress(quiet, f"{source.name} by {lane}", counted=False) as bar:
 

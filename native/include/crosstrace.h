@@ -132,6 +132,10 @@ CT_API ct_status ct_options_set_instructions(ct_options *options, const char *mo
  * spheres) those near the ray; auto (the default) takes the tree where there are enough spheres for
  * it to pay. All give the same bits. */
 CT_API ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *fault);
+/* Leaves out secondary rays that can hardly matter: every channel of a pixel is at most `tolerance`
+ * less than without, never more. 0 (the default) leaves out none. A tree's hash and the counts of
+ * rays are of what is traced; ct_certify takes no notice. */
+CT_API ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fault *fault);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);

@@ -30,6 +30,7 @@ typedef struct ct_pixel {
   /* Of the perturbed kernel: how far to move things, relative to their scale, and a stream of random
    * numbers that is the pixel's and the sample's own. */
   double error;
+  int by_component;
   uint64_t stream, n_draws;
 } ct_pixel;
 

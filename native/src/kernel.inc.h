@@ -15,11 +15,13 @@
 #include "perturb.inc.h"
 #else
 #define NUDGED(pixel, direction) ((void)(pixel), (direction))
+#define NUDGED_ORIGIN(pixel, origin) (origin)
 #define IS_NUDGED(pixel) 0
 #define NUDGE_HIT(world, pixel, ray, hit) ((void)0)
 #endif
 #include "light.inc.h"
 #include "scatter.inc.h"
+#include "prune.inc.h"
 #include "trace.inc.h"
 
 static ct_status FN(open)(const ct_frame *frame, void **out) {
@@ -27,6 +29,11 @@ static ct_status FN(open)(const ct_frame *frame, void **out) {
   if (!world) return CT_ERR_MEMORY;
   world->plane_normal = malloc((frame->n_planes + 1) * sizeof *world->plane_normal);
   if (!world->plane_normal) {
+    free(world);
+    return CT_ERR_MEMORY;
+  }
+  if (ct_reach_open(&world->reach, frame, REAL_UNIT) != CT_OK) {
+    free(world->plane_normal);
     free(world);
     return CT_ERR_MEMORY;
   }
@@ -53,6 +60,7 @@ static ct_status FN(open)(const ct_frame *frame, void **out) {
 static void FN(close)(void *opaque) {
   WORLD *world = opaque;
   free(world->plane_normal);
+  ct_reach_close(&world->reach);
   free(world);
 }
 
@@ -65,7 +73,8 @@ static RAY FN(primary)(const WORLD *world, ct_pixel *pixel, int64_t row, int64_t
   REAL y = neg(mul(s, from_double((double)row - (double)v->v_res / 2 + 0.5)));
   VEC way = v_sub(v_add(v_scale(x, world->u), v_scale(y, world->v)),
                   v_scale(from_double(v->screen_distance), world->w));
-  RAY ray = {world->eye, NUDGED(pixel, v_over(way, v_length(way))), 0, 1, NULL};
+  RAY ray = {world->eye, NUDGED(pixel, v_over(way, v_length(way))), 0, 1, NULL,
+             from_double(world->reach.slack)};
   if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
     REAL forward = neg(v_dot(ray.direction, world->w));
     ray.origin = v_along(ray.origin, quo(from_double(MITSUBA_NEAR), forward), ray.direction);
@@ -90,7 +99,7 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
     v_store(split.total_reflection, pixel->contributions + 15);
   }
   if (pixel->wants_hit) {
-    HIT hit = FN(nearest)(world, &ray);
+    HIT hit = FN(nearest)(world, pixel, &ray);
     pixel->object = (int32_t)hit.object;
     pixel->t_world = hit.object >= 0 ? to_double(hit.t) : (double)INFINITY;
     v_store(hit.object >= 0 ? hit.normal : v_zero(), pixel->normal);

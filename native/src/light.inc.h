@@ -90,7 +90,8 @@ static __attribute__((noinline)) int is_blocked_in_tree(const WORLD *world, size
 static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit,
                        size_t j, VEC light, VEC to_light, REAL distance) {
   REAL zero = from_double(0), reach; /* from where the ray starts to the light */
-  VEC origin = offset_origin(world, ray, hit, to_light, 1), direction = to_light;
+  VEC origin = NUDGED_ORIGIN(pixel, offset_origin(world, ray, hit, to_light, 1));
+  VEC direction = to_light;
   if (world->choice[CT_OFFSET] == CT_OFFSET_DIRECTION) {
     reach = sub(distance, world->epsilon);
   } else {

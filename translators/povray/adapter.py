@@ -21,6 +21,7 @@ from crosstrace.translators.errors import (
     UnsupportedSceneError,
 )
 from crosstrace.translators.ledger import Ledger
+from crosstrace.translators.leftovers import sweep
 from crosstrace.translators.povray import declarations, output, picture, process
 from crosstrace.translators.povray.plan import MAX_DEPTH
 from crosstrace.translators.readings import only_default
@@ -37,6 +38,8 @@ from crosstrace.translators.scene import Scene
 
 #: POV-Ray's own limit (`configbackend.h`).
 _MAX_THREADS = 512
+
+_PREFIX = "crosstrace-povray-"
 
 
 class PovRay:
@@ -75,7 +78,7 @@ class PovRay:
         self, scene: Scene, options: RenderOptions, progress: Progress | None = None
     ) -> Rendering:
         """Render a scene; see the protocol for what is raised."""
-        only_default(options.readings, self.name)
+        only_default(options.readings, self.name, options.tolerance)
         program = process.find_program()
         started = time.perf_counter()
         analysis = picture.analyse(scene, options.effects)
@@ -90,7 +93,7 @@ class PovRay:
 
             def render_at(scale: float) -> output.Picture:
                 image.unlink(missing_ok=True)
-                call = picture.arguments(scene, source.name, image.name, "P", str(threads))
+                call = picture.arguments(analysis.plan, source.name, image.name, "P", str(threads))
                 call += ["+V", f"Declare=output_scale={scale!r}"]
                 call += ["+GS"] if analysis.plan.deep else []
                 share = output.shared(progress, analysis.bound, len(passes))
@@ -118,17 +121,19 @@ class PovRay:
                 "output_scale": made.scale,
                 "output_scales": list(made.passes),
                 "max_trace_level": analysis.plan.depth + 1,
+                "quality": analysis.plan.quality,
             },
             messages=messages,
         )
 
     def translate(self, scene: Scene, options: RenderOptions) -> Translation:
         """Write a scene description with a comment saying how to call plain `povray` for it."""
-        only_default(options.readings, self.name)
+        only_default(options.readings, self.name, options.tolerance)
         analysis = picture.analyse(scene, options.effects)
         name = picture.file_name(scene.name)
         scale = output.written_scale(analysis.bound)
-        command = " ".join(["povray", *picture.arguments(scene, f"{name}.pov", f"{name}.png", "N")])
+        arguments = picture.arguments(analysis.plan, f"{name}.pov", f"{name}.png", "N")
+        command = " ".join(["povray", *arguments])
         said = picture.comment(analysis, command, scale)
         return Translation({f"{name}.pov": said + self.text(analysis, scale)}, command)
 
@@ -137,7 +142,8 @@ class PovRay:
 def _private_directory() -> Iterator[Path]:
     made = tempfile.TemporaryDirectory
     try:
-        with made(prefix="crosstrace-povray-", ignore_cleanup_errors=True) as name:
+        sweep(Path(tempfile.gettempdir()), _PREFIX)
+        with made(prefix=_PREFIX, ignore_cleanup_errors=True) as name:
             yield Path(name)
     except OSError as error:
         raise RendererError(f"povray's files cannot be kept: {error}") from error
