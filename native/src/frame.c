@@ -73,7 +73,20 @@ static int eye_on_plane(const ct_frame *frame, const double *geometry, const ct_
   return wide_abs(distance) <= 4 * (ct_wide)DBL_EPSILON * scale;
 }
 
+/* Whether the eye is off the sphere by so much that double is enough to tell: with scale as below,
+ * the distance is wrong by a few units of 2^-53 of it, unless squares vanish. */
+static int surely_off_sphere(const ct_frame *frame, const double *geometry) {
+  double square = 0, scale = geometry[3];
+  for (int i = 0; i < 3; i++) {
+    double e = frame->view.eye[i], c = geometry[i];
+    square += (e - c) * (e - c);
+    scale = fmax(scale, fmax(fabs(e), fabs(c)));
+  }
+  return scale > 1e-100 && fabs(sqrt(square) - geometry[3]) > 1e-12 * scale;
+}
+
 static int eye_on_sphere(const ct_frame *frame, const double *geometry) {
+  if (surely_off_sphere(frame, geometry)) return 0;
   ct_wide f[3], r = geometry[3], scale = r;
   for (int i = 0; i < 3; i++) {
     ct_wide e = frame->view.eye[i], c = geometry[i];
