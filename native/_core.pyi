@@ -108,5 +108,8 @@ def render(
     that order.
     """
 
-def tree(scene: tuple[Any, ...], /) -> Any:
-    """Sort a scene's spheres into a tree, for several calls of `render`; MemoryError."""
+def tree(scene: tuple[Any, ...], progress: Callable[[float], object] | None, /) -> Any:
+    """Sort a scene's spheres into a tree, for several calls of `render`.
+
+    `progress` is called with 0, and ends the work by an exception. Raises MemoryError besides.
+    """

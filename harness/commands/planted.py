@@ -40,8 +40,8 @@ def plant(
         made = fault_proof.prove(sources, how, events=observe)
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
-        content = record.dumps(made)
-        images.write_atomically(output / NAME, partial(Path.write_text, data=content))
+        content = record.dumps(made).encode()
+        images.write_atomically(output / NAME, partial(images.save_bytes, content=content))
     if as_json:
         console.json_result(made)
     else:

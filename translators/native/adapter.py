@@ -147,7 +147,7 @@ class Native:
         What is held at a time is a band of `BAND_PIXELS`, 24 bytes each. Raises as `render`.
         """
         height = max(1, BAND_PIXELS // scene.h_res)
-        tree = _core.tree(scene.native_view())
+        tree = _core.tree(scene.native_view(), progress)
         for begin in range(0, scene.v_res, height):
             end = min(scene.v_res, begin + height)
 

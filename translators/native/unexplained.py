@@ -177,7 +177,7 @@ class Unexplained:
             variance += float((still * (1 - still)).sum())
             if missed > expected + BEFORE_THE_LAST_LOOK * np.sqrt(variance):
                 return False
-        return missed <= expected + 3 * np.sqrt(variance)
+        return bool(missed <= expected + 3 * np.sqrt(variance))
 
     def _impossible(self, meanings: Sequence[Emulation], items: Items) -> Items:
         for meaning in meanings:
