@@ -15,7 +15,7 @@ from crosstrace.harness import metamorphic, tasks
 from crosstrace.harness.jobs import Task, WorkerPool, available_cores
 from crosstrace.harness.lanes import LANES
 from crosstrace.harness.metamorphic import Outcome
-from crosstrace.harness.sources import Source
+from crosstrace.harness.sources import Source, sized
 from crosstrace.translators.errors import (
     CrosstraceError,
     RendererMissingError,
@@ -100,7 +100,7 @@ class Event:
 
 def entries(sources: Sequence[Source], size: tuple[int, int] | None) -> list[Entry]:
     """Return what is to be measured, at the size at which it is."""
-    return [Entry(source, _sized(source.scene, size)) for source in sources]
+    return [Entry(source, sized(source.scene, size, MOST_ROWS)) for source in sources]
 
 
 def study(todo: Sequence[Entry], options: Options) -> Iterator[Event]:
@@ -181,11 +181,3 @@ def _keep(entry: Entry, lane: str, future: Future[Any]) -> str:
     if stated and entry.at_own_size:
         entry.departures = departures(result.rungs, stated)
     return ""
-
-
-def _sized(scene: Scene, size: tuple[int, int] | None) -> Scene:
-    if size is not None:
-        return scene.resized(*size)
-    if scene.v_res <= MOST_ROWS:
-        return scene
-    return scene.resized(MOST_ROWS, max(1, round(scene.h_res * MOST_ROWS / scene.v_res)))

@@ -66,8 +66,10 @@ class RenderOptions:
     `threads` 0: all cores that this process may use. `readings` names another interpretation of the
     specification (`readings.py`); only `native` takes every one. `effects` None: what the scene
     calls for (`effects.py`). `timeout_s` bounds an external program; None: no bound. `layers` asks
-    for the side outputs of a renderer that has them. `sampling` says how a pixel is sampled
-    (`sampling.py`); `tuning` sets what only this renderer has, by its own names.
+    for the side outputs of a renderer that has them. With `tolerance` > 0 (only
+    `native` takes one) secondary rays are left out that can hardly matter: no channel gets
+    brighter, or darker by more than that. `sampling` says how a pixel is sampled (`sampling.py`);
+    `tuning` sets what only this renderer has, by its own names.
     """
 
     threads: int = 0
@@ -76,6 +78,7 @@ class RenderOptions:
     effects: frozenset[str] | None = None
     timeout_s: float | None = None
     layers: bool = False
+    tolerance: float = 0.0
     sampling: Sampling = CENTRE
     tuning: Mapping[str, str] = field(default_factory=dict)
 

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
               help=".npy, .npz (float64), .exr, .pfm (float32), .png or .ppm (8-bit).")  # fmt: skip
 @options.settings
 @options.precision
+@click.option("--tolerance", type=click.FloatRange(0, 1e100), default=0.0, metavar="T",
+              help="Native: leave out rays that darken no channel by more than T.")  # fmt: skip
 @options.max_depth
 @options.sampling
 @options.tuning
@@ -43,6 +45,7 @@ def command(
     output: Path,
     settings: tuple[str, ...],
     precision: str,
+    tolerance: float,
     max_depth: int | None,
     sampling: str,
     tuning: tuple[str, ...],
@@ -70,10 +73,12 @@ def command(
     lane = options.one_lane(lane)
     rule, readings = options.split_settings(settings)
     _check(lane, output, rule, {"--aov": aov, "--certify": certify,
-                                f"--precision {precision}": precision != "f64"})  # fmt: skip
+                                f"--precision {precision}": precision != "f64",
+                                f"--tolerance {tolerance:g}": tolerance > 0})  # fmt: skip
     source = options.deepened(options.one_scene(scene, delivery, size), max_depth)
     how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov,
-                        sampling=samplings.parse(sampling), tuning=split(tuning))  # fmt: skip
+                        tolerance=tolerance, sampling=samplings.parse(sampling),
+                        tuning=split(tuning))  # fmt: skip
     large = is_large(*source.scene.shape[:2]) and how.sampling == samplings.CENTRE
     in_bands = lane == REFERENCE and not aov and not certify and large
     with console.progress(quiet, f"{source.name} by {lane}", counted=False) as bar:

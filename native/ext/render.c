@@ -68,16 +68,20 @@ static void free_tree(PyObject *capsule) {
   ct_tree_free(PyCapsule_GetPointer(capsule, "ct_tree"));
 }
 
-PyObject *core_tree(PyObject *module, PyObject *tuple) {
-  scene_argument scene;
+PyObject *core_tree(PyObject *module, PyObject *arguments) {
+  PyObject *scene, *progress, *settings = PyList_New(0);
+  call c = {0};
   ct_tree *tree = NULL;
-  ct_status status;
+  ct_status status = CT_ERR_MEMORY;
   (void)module;
-  if (scene_argument_open(tuple, &scene) != 0) return NULL;
-  Py_BEGIN_ALLOW_THREADS
-  status = ct_tree_new(&scene.view, &tree);
-  Py_END_ALLOW_THREADS
-  scene_argument_close(&scene);
+  int is_open = settings && PyArg_ParseTuple(arguments, "OO", &scene, &progress) &&
+                call_open(&c, scene, settings, progress) == 0;
+  Py_XDECREF(settings);
+  if (!is_open) return NULL;
+  c.thread = PyEval_SaveThread();
+  status = ct_tree_new(&c.scene.view, call_progress, &c, &tree);
+  PyEval_RestoreThread(c.thread);
+  call_release(&c);
   if (call_raise(status) != 0) return NULL;
   PyObject *capsule = PyCapsule_New(tree, "ct_tree", free_tree);
   if (!capsule) ct_tree_free(tree);

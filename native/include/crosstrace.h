@@ -132,13 +132,10 @@ CT_API ct_status ct_options_set_instructions(ct_options *options, const char *mo
  * spheres) those near the ray; auto (the default) takes the tree where there are enough spheres for
  * it to pay. All give the same bits. */
 CT_API ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *fault);
-/* The tree of a scene, to render it in several calls (bands of rows, other readings) and build but
- * once. It is used for views with the same eye and the same arrays; other calls build their own.
- * *out is NULL on failure. The options borrow it; NULL takes it away again. */
-typedef struct ct_tree ct_tree;
-CT_API ct_status ct_tree_new(const ct_scene_view *view, ct_tree **out);
-CT_API void ct_tree_free(ct_tree *tree);
-CT_API void ct_options_set_tree(ct_options *options, const ct_tree *tree);
+/* Leaves out secondary rays that can hardly matter: every channel of a pixel is at most `tolerance`
+ * less than without, never more. 0 (the default) leaves out none. A tree's hash and the counts of
+ * rays are of what is traced; ct_certify takes no notice. */
+CT_API ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fault *fault);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
@@ -192,6 +189,16 @@ typedef struct ct_stats {
 /* Called in the calling thread about every 50 ms with the part of the work that is done, in units
  * of no meaning; a value other than 0 stops. */
 typedef int (*ct_progress)(void *user, uint64_t done, uint64_t total);
+
+typedef struct ct_tree ct_tree;
+
+/* The tree of a scene, to render it in several calls (bands of rows, other readings) and build but
+ * once. It is used for views with the same eye and the same arrays; other calls build their own.
+ * *out is NULL on failure. The options borrow it; NULL takes it away again. */
+CT_API ct_status ct_tree_new(const ct_scene_view *view, ct_progress progress, void *user,
+                             ct_tree **out);
+CT_API void ct_tree_free(ct_tree *tree);
+CT_API void ct_options_set_tree(ct_options *options, const ct_tree *tree);
 
 CT_API ct_status ct_render(const ct_scene_view *view, const ct_options *options,
                     const ct_outputs *outputs, ct_progress progress, void *user, ct_stats *stats);

@@ -179,6 +179,7 @@ ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
   ct_machine_state caller = ct_machine_enter();
   ct_frame frame;
   ct_status status = ct_frame_open(&frame, view, options);
+  if (!status) status = ct_frame_sort(&frame, progress, user);
   if (status) {
     ct_machine_leave(caller);
     return status;

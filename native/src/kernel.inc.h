@@ -21,6 +21,7 @@
 #endif
 #include "light.inc.h"
 #include "scatter.inc.h"
+#include "prune.inc.h"
 #include "trace.inc.h"
 
 static ct_status FN(open)(const ct_frame *frame, void **out) {
@@ -28,6 +29,11 @@ static ct_status FN(open)(const ct_frame *frame, void **out) {
   if (!world) return CT_ERR_MEMORY;
   world->plane_normal = malloc((frame->n_planes + 1) * sizeof *world->plane_normal);
   if (!world->plane_normal) {
+    free(world);
+    return CT_ERR_MEMORY;
+  }
+  if (ct_reach_open(&world->reach, frame, REAL_UNIT) != CT_OK) {
+    free(world->plane_normal);
     free(world);
     return CT_ERR_MEMORY;
   }
@@ -54,6 +60,7 @@ static ct_status FN(open)(const ct_frame *frame, void **out) {
 static void FN(close)(void *opaque) {
   WORLD *world = opaque;
   free(world->plane_normal);
+  ct_reach_close(&world->reach);
   free(world);
 }
 
@@ -66,7 +73,8 @@ static RAY FN(primary)(const WORLD *world, ct_pixel *pixel, int64_t row, int64_t
   REAL x = mul(s, from_double(right)), y = neg(mul(s, from_double(below)));
   VEC way = v_sub(v_add(v_scale(x, world->u), v_scale(y, world->v)),
                   v_scale(from_double(v->screen_distance), world->w));
-  RAY ray = {world->eye, NUDGED(pixel, v_over(way, v_length(way))), 0, 1, NULL};
+  RAY ray = {world->eye, NUDGED(pixel, v_over(way, v_length(way))), 0, 1, NULL,
+             from_double(world->reach.slack)};
   if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
     REAL forward = neg(v_dot(ray.direction, world->w));
     ray.origin = v_along(ray.origin, quo(from_double(MITSUBA_NEAR), forward), ray.direction);

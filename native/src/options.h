@@ -58,6 +58,7 @@ struct ct_options {
   double shadow_min; /* shadow hits at or nearer than this do not block */
   double light_min;  /* shadow hits as near as this to the light do not block */
   double far;        /* hits beyond this do not exist; 0: no limit */
+  double tolerance;  /* how much darker pruning may make a pixel; 0: nothing is pruned */
   size_t precision; /* index of ct_precision_kernel */
   int rounding;     /* CT_ROUND_... */
   ct_instructions instructions; /* the most that may be used */

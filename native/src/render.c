@@ -162,6 +162,7 @@ static ct_status render_all(job *j, const ct_options *options, uint64_t n_tiles,
   ct_frame frame;
   void *world = NULL;
   ct_status status = ct_frame_open(&frame, j->view, options);
+  if (!status) status = ct_frame_sort(&frame, progress, user);
   if (!status) {
     status = stream ? stream->open(&frame, &world) : kernel->open(&frame, &world);
     if (!status) {

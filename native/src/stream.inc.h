@@ -12,6 +12,7 @@
 #include "stream.h"
 
 #define INLINE static inline __attribute__((always_inline))
+#define APART static __attribute__((noinline))
 
 #include CT_LANES
 #include "lanes_vector.inc.h"
@@ -20,6 +21,7 @@
 #include "stream_cull.inc.h"
 #include "stream_tree.inc.h"
 #include "stream_store.inc.h"
+#include "stream_prune.inc.h"
 #include "stream_trace.inc.h"
 
 /* The ways of the rays through the centres of a rectangle of pixels (specification 2.3), or points
@@ -44,13 +46,20 @@ static void aim(const WORLD *world, const ct_tile *pixels, BUNDLE *bundle) {
     VECS way = vs_add(vs_scale(x, vs_all(world->u)), vs_scale(y, vs_all(world->v)));
     vs_store(&bundle->direction, at, vs_sub(way, forward));
     vs_store(&bundle->origin, at, eye);
+    if (bundle->slack) l_store(bundle->slack + at, l_all(from_double(world->reach.slack)));
   }
 }
 
 /* Writes n vectors from number k on, `stride` doubles apart. */
 static inline void put(const COLUMNS *c, size_t k, size_t n, double *out, size_t stride) {
   const REAL *x = c->x + k, *y = c->y + k, *z = c->z + k;
-  for (size_t i = 0; i < n; i++) {
+  /* Known when compiled, so that the compiler can interleave whole vectors. */
+  for (size_t i = 0; stride == 3 && i < n; i++) {
+    out[i * 3] = to_double(x[i]);
+    out[i * 3 + 1] = to_double(y[i]);
+    out[i * 3 + 2] = to_double(z[i]);
+  }
+  for (size_t i = 0; stride != 3 && i < n; i++) {
     out[i * stride] = to_double(x[i]);
     out[i * stride + 1] = to_double(y[i]);
     out[i * stride + 2] = to_double(z[i]);

@@ -16,7 +16,7 @@ static LANES power_one_by_one(MASK wanted, LANES x, double eta, LANES power) {
 }
 
 /* x^eta in the lanes of `wanted`, where x > 0. */
-static inline LANES power_of_lanes(const SURFACE *s, MASK wanted, LANES x) {
+INLINE LANES power_of_lanes(const SURFACE *s, MASK wanted, LANES x) {
   LANES zero = l_all(0), power = l_all(1), square = x;
   if (!s->is_squared) return power_one_by_one(wanted, x, s->eta, zero);
   for (unsigned eta = (unsigned)s->eta;; square = square * square) {

@@ -21,6 +21,7 @@ typedef struct FN(bundle) {
   COLUMNS origin, direction, color;
   uint64_t *tree; /* NULL: nobody asks */
   uint32_t *rays; /* NULL: nobody asks */
+  REAL *slack;    /* NULL: nothing is pruned */
 } FN(bundle);
 #define BUNDLE FN(bundle)
 
@@ -86,6 +87,7 @@ static BUNDLE take_bundle(STORE *store, size_t n) {
   b.color = take_columns(store, room);
   if (store->wants_tree) b.tree = take(store, room, sizeof *b.tree);
   if (store->wants_rays) b.rays = take(store, room, sizeof *b.rays);
+  if (store->stage->world->reach.slack > 0) b.slack = take(store, room, sizeof *b.slack);
   return b;
 }
 
@@ -142,7 +144,7 @@ static void *FN(enter)(const void *opaque, const ct_outputs *out) {
   int64_t depth = stage->world->frame->max_depth;
   size_t n_levels = 1 + (size_t)(depth < STREAM_LEVELS ? depth : STREAM_LEVELS);
   /* At most, with a line for every array: two branches a level, the first bundle, the first hits. */
-  size_t columns = 9 + 1 + 1, room = rounded_up(BUNDLE_RAYS);
+  size_t columns = 9 + 1 + 1 + 1, room = rounded_up(BUNDLE_RAYS);
   size_t branch = (columns + 2) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t first = (CT_CONTRIBUTIONS * 3 + 6) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t sight = (1 + CULLED_LAMPS) * stage->n_words * sizeof(uint64_t) + STORE_LINE;

@@ -23,6 +23,8 @@ typedef struct FN(row) {
   uint64_t *tree; /* of the vector's rays; NULL: nobody asks */
   uint32_t *rays; /* of the vector's rays; NULL: nobody asks */
   SIGHT *sight;
+  const REAL *slack; /* of the vector's rays */
+  REAL most;         /* that a secondary ray returns, where rays are pruned */
 } FN(row);
 #define ROW FN(row)
 
@@ -70,17 +72,19 @@ INLINE MASK blocked_in_sight(const STAGE *stage, SIGHT *sight, size_t j, VECS or
 /* ---- One pass ---- */
 
 /* Sends the lanes of `sent` on along `direction`. */
-INLINE unsigned send(BRANCH *branch, size_t at, MASK sent, LANES weight, VECS point,
-                     VECS direction) {
+INLINE unsigned send(BRANCH *branch, size_t at, MASK sent, LANES weight, LANES part, int prunes,
+                     VECS point, VECS direction) {
   unsigned lanes = m_bits(sent), n = (unsigned)__builtin_popcount(lanes);
   if (!lanes) return 0;
   branch->parcel[branch->n_parcels++] = (PARCEL){(uint16_t)at, (uint16_t)lanes};
   if (n < N_LANES) {
     weight = l_pack(sent, weight);
+    if (prunes) part = l_pack(sent, part);
     point = vs_pack(sent, point);
     direction = vs_pack(sent, direction);
   }
   l_store(branch->weight + branch->rays.n, weight);
+  if (prunes) l_store(branch->rays.slack + branch->rays.n, part / weight);
   vs_store(&branch->rays.origin, branch->rays.n, point);
   vs_store(&branch->rays.direction, branch->rays.n, direction);
   branch->rays.n += n;
@@ -108,7 +112,8 @@ static VECS end_rays(const STORE *store, VECS color, size_t at, MASK sent, MASK 
 
 /* scatter_at (CT_TIR_REPLACE), and what becomes of the rays. */
 INLINE void scatter_of(STORE *store, const SURFACE *s, const ROW *row, VECS point, VECS normal,
-                       VECS direction, MASK hit, int is_first, BRANCH *branches, VECS *color) {
+                       VECS direction, MASK hit, int is_first, int prunes, BRANCH *branches,
+                       VECS *color) {
   unsigned effects = store->stage->world->effects;
   LANES zero = l_all(0), one = l_all(1);
   LANES cosine = vs_dot(normal, vs_neg(direction)), kr = l_all(s->kr);
@@ -141,8 +146,13 @@ INLINE void scatter_of(STORE *store, const SURFACE *s, const ROW *row, VECS poin
     store->first.total[row->at / N_LANES] |= (uint16_t)m_bits(total);
   if (branches) {
     ct_pixel *pixel = store->pixel;
-    pixel->n_reflected += send(branches, row->at, back, kr, point, mirrored);
-    pixel->n_refracted += send(branches + 1, row->at, through, l_all(s->kt), point, refracted);
+    LANES part = zero;
+    if (prunes)
+      part = prune_lanes(l_load(row->slack), row->most, kr, l_where(through, l_all(s->kt)), &back,
+                          &through);
+    pixel->n_reflected += send(branches, row->at, back, kr, part, prunes, point, mirrored);
+    pixel->n_refracted +=
+        send(branches + 1, row->at, through, l_all(s->kt), part, prunes, point, refracted);
   } else if (store->stage->ends_lit) {
     *color = end_rays(store, *color, row->at, back, total, kr, TERM_REFLECTION, is_first);
     *color = end_rays(store, *color, row->at, through, m_none(), l_all(s->kt), TERM_REFRACTION,
@@ -152,7 +162,7 @@ INLINE void scatter_of(STORE *store, const SURFACE *s, const ROW *row, VECS poin
 
 /* shade, without the secondary rays, for the lanes of `hit`, which all hit object i. */
 INLINE void shade_of(STORE *store, size_t i, const ROW *row, VECS point, VECS direction, MASK hit,
-                     int is_first, BRANCH *branches, VECS *color) {
+                     int is_first, int prunes, BRANCH *branches, VECS *color) {
   const STAGE *stage = store->stage;
   SHAPE own;
   const SHAPE *shape = &own;
@@ -184,7 +194,8 @@ INLINE void shade_of(STORE *store, size_t i, const ROW *row, VECS point, VECS di
   }
   *color = vs_blend(hit, sum, *color);
   if (stage->has_scatter)
-    scatter_of(store, surface, row, point, normal, direction, hit, is_first, branches, color);
+    scatter_of(store, surface, row, point, normal, direction, hit, is_first, prunes, branches,
+               color);
 }
 
 /* ---- Bundles ---- */
@@ -225,7 +236,8 @@ static void trace_one_by_one(STORE *store, const BUNDLE *bundle, int64_t depth) 
     VEC way = v_make(bundle->direction.x[k], bundle->direction.y[k], bundle->direction.z[k]);
     VEC point = v_make(bundle->origin.x[k], bundle->origin.y[k], bundle->origin.z[k]);
     VEC direction = v_over(way, v_length(way));
-    RAY ray = {v_along(point, world->epsilon, direction), direction, depth, 0, NULL};
+    RAY ray = {v_along(point, world->epsilon, direction), direction, depth, 0, NULL,
+               bundle->slack ? bundle->slack[k] : from_double(0)};
     uint64_t tree = 0;
     store->pixel->n_rays = 0;
     VEC color = FN(trace)(world, store->pixel, &ray, NULL, &tree);
@@ -286,14 +298,17 @@ INLINE void look_ahead(const STORE *store, const BUNDLE *bundle, SIGHT *sight, i
 
 static void trace_bundle(STORE *store, const BUNDLE *bundle, int64_t depth);
 
-INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is_first) {
+INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is_first,
+                       int prunes) {
   const STAGE *stage = store->stage;
   store->pixel->n_unreported += (uint32_t)bundle->n;
   if (store->pixel->n_unreported >= 4096) ct_pixel_report(store->pixel);
   size_t mark = store->used;
   BRANCH branches[2];
+  REAL most = from_double(0);
   int sends = stage->has_scatter && depth < stage->world->frame->max_depth;
   for (int k = 0; sends && k < 2; k++) branches[k] = take_branch(store, bundle->n);
+  if (prunes && sends) most = most_returned(stage->world, depth + 1);
   VECS missed = vs_all(is_first ? stage->background : stage->missed), zero = vs_all(v_zero());
   REAL t[BUNDLE_RAYS + N_LANES];
   LANE_ID object[BUNDLE_RAYS + N_LANES];
@@ -308,7 +323,8 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
     VECS direction = vs_load(&bundle->direction, at), point = vs_load(&bundle->origin, at);
     HITS hits = {l_load(t + at), i_load(object + at)};
     unsigned left = m_bits(m_and(live, l_is_number(hits.t)));
-    ROW row = {.at = at, .sight = &sight};
+    ROW row = {.at = at, .sight = &sight, .most = most};
+    if (prunes) row.slack = bundle->slack + at;
     if (bundle->rays) {
       row.rays = bundle->rays + at;
       for (int k = 0; k < N_LANES; k++) row.rays[k] = 1;
@@ -334,8 +350,8 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
       MASK hit = m_and(m_from_bits(left), i_equal(hits.object, i_all(i)));
       left &= ~m_bits(hit);
       note_decision(&row, m_bits(hit), (uint64_t)(i + 2));
-      shade_of(store, (size_t)i, &row, point, direction, hit, is_first, sends ? branches : NULL,
-               &color);
+      shade_of(store, (size_t)i, &row, point, direction, hit, is_first, prunes,
+               sends ? branches : NULL, &color);
     }
     vs_store(&bundle->color, at, color);
   }
@@ -347,11 +363,26 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
   store->used = mark;
 }
 
+/* Pruning is known when compiled, and stands apart, so that frames without it pay nothing. */
+APART void trace_pruned(STORE *store, const BUNDLE *bundle, int64_t depth) {
+  if (depth == 0)
+    trace_rays(store, bundle, depth, 1, 1);
+  else
+    trace_rays(store, bundle, depth, 0, 1);
+}
+
 static void trace_bundle(STORE *store, const BUNDLE *bundle, int64_t depth) {
   if (depth > STREAM_LEVELS)
     trace_one_by_one(store, bundle, depth);
+  else if (bundle->slack)
+    trace_pruned(store, bundle, depth);
   else
-    trace_rays(store, bundle, depth, 0);
+    trace_rays(store, bundle, depth, 0, 0);
 }
 
-static void trace_first(STORE *store, const BUNDLE *bundle) { trace_rays(store, bundle, 0, 1); }
+static void trace_first(STORE *store, const BUNDLE *bundle) {
+  if (bundle->slack)
+    trace_pruned(store, bundle, 0);
+  else
+    trace_rays(store, bundle, 0, 1, 0);
+}

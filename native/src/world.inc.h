@@ -1,6 +1,7 @@
 /* What the kernel's texts share: the world of a frame, a ray, a hit, and the terms of a pixel. */
 #include "bvh_walk.h"
 
+#include "prune.h"
 
 typedef struct FN(world) {
   const ct_frame *frame;
@@ -11,6 +12,7 @@ typedef struct FN(world) {
   VEC u, v, w, eye;
   REAL epsilon, shadow_min, light_min, far;
   int has_far;
+  ct_reach reach;
 } FN(world);
 #define WORLD FN(world)
 
@@ -19,6 +21,7 @@ typedef struct FN(ray) {
   int64_t depth;
   int primary;
   const ct_medium *medium; /* nesting=tracked only */
+  REAL slack; /* how much less may return: prune.h */
 } FN(ray);
 #define RAY FN(ray)
 

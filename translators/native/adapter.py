@@ -30,6 +30,8 @@ from crosstrace.translators.scene import Scene
 CONTRIBUTIONS = ("base", "diffuse", "specular", "reflection", "refraction", "total_reflection")
 
 
+LARGEST_TOLERANCE = 1e100
+
 #: The scalar types of the tracer, narrowest first; a platform may lack f80 or f128.
 PRECISIONS = {
     "f32": "float, 2^-24",
@@ -54,6 +56,12 @@ def check_precision(precision: str) -> None:
     """Raise UsageError for a precision that this platform does not have."""
     if precision not in (present := _core.precisions()):
         raise UsageError(f"precision: expected one of {', '.join(present)}, found {precision!r}")
+
+
+def check_tolerance(tolerance: float) -> None:
+    """Raise UsageError for what is no tolerance."""
+    if not 0 <= tolerance <= LARGEST_TOLERANCE:
+        raise UsageError(f"tolerance: expected a number from 0 to 1e100, found {tolerance!r}")
 
 
 #: What the native library was compiled with.
@@ -139,7 +147,7 @@ class Native:
         What is held at a time is a band of `BAND_PIXELS`, 24 bytes each. Raises as `render`.
         """
         height = max(1, BAND_PIXELS // scene.h_res)
-        tree = _core.tree(scene.native_view())
+        tree = _core.tree(scene.native_view(), progress)
         for begin in range(0, scene.v_res, height):
             end = min(scene.v_res, begin + height)
 
@@ -160,6 +168,7 @@ def _render(
 ) -> Rendering:
     readings_of_the_specification.check(options.readings)
     check_precision(options.precision)
+    check_tolerance(options.tolerance)
     is_sampled = options.sampling != CENTRE
     if is_sampled and options.layers:
         raise UsageError(f"side outputs are of a pixel's centre, found {options.sampling}")
@@ -170,7 +179,8 @@ def _render(
     wanted = effects(scene, options.readings).overall if called_for is None else mask(called_for)
     outputs = {} if is_sampled else _outputs(end - begin, scene.h_res, options)
     settings = [*options.readings.items(), ("precision", options.precision),
-                ("threads", str(options.threads)), ("effects", str(wanted))]  # fmt: skip
+                ("threads", str(options.threads)), ("effects", str(wanted)),
+                ("tolerance", repr(float(options.tolerance)))]  # fmt: skip
     translated = time.perf_counter()
     try:
         if is_sampled:
@@ -183,6 +193,8 @@ def _render(
     seconds = Seconds(0.0, translated - started, time.perf_counter() - translated)
     record: dict[str, Any] = {"precision": options.precision, "rays": rays,
                               "readings": dict(options.readings)}  # fmt: skip
+    if options.tolerance:
+        record["tolerance"] = options.tolerance
     if is_sampled:
         record["sampling"] = str(options.sampling)
     image = outputs.pop("image")

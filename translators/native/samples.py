@@ -79,7 +79,7 @@ def _full(
     fine, image = _finer(scene, side).native_view(), np.empty(scene.shape)
     rows = max(1, _AT_ONCE // (scene.h_res * side * side))
     rays: Counter[str] = Counter()
-    tree = _core.tree(fine)
+    tree = _core.tree(fine, None)
     for top in range(0, scene.v_res, rows):
         bottom = min(top + rows, scene.v_res)
         band = np.empty(((bottom - top) * side, scene.h_res * side, 3))
@@ -97,7 +97,7 @@ def _adaptive(
     colors, trees = np.empty((*shape, 3)), np.empty(shape, np.uint64)
     rays: Counter[str] = Counter()
     first = _finer(scene, FIRST_SIDE).native_view()
-    tree = _core.tree(first)
+    tree = _core.tree(first, None)
     rays.update(_core.render(first, settings, {"image": colors, "tree": trees}, None, tree))
     image = _means(colors, FIRST_SIDE)
     cells = np.flatnonzero(refined(trees, colors)).astype(np.int64)

@@ -80,7 +80,7 @@ class PovRay:
         self, scene: Scene, options: RenderOptions, progress: Progress | None = None
     ) -> Rendering:
         """Render a scene; see the protocol for what is raised."""
-        only_default(options.readings, self.name)
+        only_default(options.readings, self.name, options.tolerance)
         only_centre(options.sampling, self.name)
         tuned = tuning.read(options.tuning)
         program = process.find_program()
@@ -99,7 +99,7 @@ class PovRay:
 
             def render_at(scale: float) -> output.Picture:
                 image.unlink(missing_ok=True)
-                call = picture.arguments(scene, source.name, image.name, "P", str(threads))
+                call = picture.arguments(analysis.plan, source.name, image.name, "P", str(threads))
                 call += ["+V", f"Declare=output_scale={scale!r}"]
                 call += [*tuned.switches, "+GS"]
                 share = output.shared(progress, analysis.bound, len(passes))
@@ -135,17 +135,19 @@ class PovRay:
                 "output_scale": made.scale,
                 "output_scales": list(made.passes),
                 "max_trace_level": analysis.plan.depth + 1,
+                "quality": analysis.plan.quality,
             },
             messages=messages,
         )
 
     def translate(self, scene: Scene, options: RenderOptions) -> Translation:
         """Write a scene description with a comment saying how to call plain `povray` for it."""
-        only_default(options.readings, self.name)
+        only_default(options.readings, self.name, options.tolerance)
         analysis = picture.analyse(scene, options.effects)
         name = picture.file_name(scene.name)
         scale = output.written_scale(analysis.bound)
-        command = " ".join(["povray", *picture.arguments(scene, f"{name}.pov", f"{name}.png", "N")])
+        arguments = picture.arguments(analysis.plan, f"{name}.pov", f"{name}.png", "N")
+        command = " ".join(["povray", *arguments])
         said = picture.comment(analysis, command, scale)
         return Translation({f"{name}.pov": said + self.text(analysis, scale)}, command)
 
