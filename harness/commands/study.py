@@ -40,6 +40,9 @@ def _as_seconds(_: click.Context, __: click.Parameter, value: str | None) -> flo
               help="Advise the most exact setting within a time such as 0.1s.")  # fmt: skip
 @click.option("--metric", type=click.Choice(["max", "rmse", "p999"]), default="rmse",
               show_default=True, help="The error that is meant.")  # fmt: skip
+@click.option("--clock", type=click.Choice(["wall", "processor"]), default="wall",
+              show_default=True, help="The time that is meant; processor: of all threads, which "
+              "other work disturbs less.")  # fmt: skip
 @click.option("--kind", type=click.Choice(_KINDS),
               help="Advise on this kind of error; default: on all from the truth.")  # fmt: skip
 @click.option("--samples", type=click.IntRange(1, 32), default=32, show_default=True,
@@ -59,6 +62,7 @@ def command(
     want: float | None,
     budget: float | None,
     metric: str,
+    clock: str,
     kind: str | None,
     samples: int,
     runs: int,
@@ -86,15 +90,14 @@ def command(
     if want is not None and budget is not None:
         raise UsageError("expected --want or --budget, found both")
     wish = Wish(want or DEFAULT_WANT, budget, metric, kind)
-    how = experiment.Options(chosen(renderers), size, threads, runs, samples, timeout, metric)
+    how = experiment.Options(chosen(renderers), size, threads, runs, samples, timeout, metric,
+                             clock)  # fmt: skip
     todo = experiment.entries(find(scenes, delivery=delivery), size)
     if output is not None:
         options.check_directory(output)
     with console.progress(quiet, f"scenes: {len(todo)}") as bar:
         for event in experiment.study(todo, how):
-            text = f"{event.scene} {event.what}"
-            failed = f": {event.failed}" if event.failed else ""
-            bar.update(event.done, event.total, text + failed, bool(failed))
+            bar.update(*event.progress, stage=event.stage)
     made = record.record(todo, how, wish)
     if output is not None:
         from crosstrace.harness.study.files import publish

@@ -22,6 +22,9 @@ _AGAINST = {
     "average": "the converged average",
 }  # fmt: skip
 
+#: A share of the time.
+_MOST_SPREAD = 0.2
+
 _ARTICLE = {"max": "a", "rmse": "an", "p999": "a"}
 
 
@@ -101,8 +104,13 @@ def _cheapest(points: Sequence[Mapping[str, Any]], some: Sequence[int]) -> int |
     """
     if not some:
         return None
-    latest = min(points[i]["seconds"] + points[i]["spread"] for i in some)
-    alike = [i for i in some if points[i]["seconds"] - points[i]["spread"] <= latest]
+
+    def spread(i: int) -> float:
+        # A point whose runs were disturbed is not the cheaper for that.
+        return float(min(points[i]["spread"], _MOST_SPREAD * points[i]["seconds"]))
+
+    latest = min(points[i]["seconds"] + spread(i) for i in some)
+    alike = [i for i in some if points[i]["seconds"] - spread(i) <= latest]
     return min(alike, key=lambda i: (KINDS.index(points[i]["kind"]), points[i]["seconds"]))
 
 

@@ -39,7 +39,7 @@ class Options:
     `threads` of a renderer (0: all cores): one by default, so that times compare. `runs` at most
     for the clock, fewer where they take long; `samples` a side at most. `size` (rows, columns)
     overrides the default, which is the scene's own up to `stability.MOST_ROWS` rows. `metric` is
-    the error by which points are on the Pareto front.
+    the error by which points are on the Pareto front, `clock` (wall, processor) the time.
     """
 
     lanes: tuple[str, ...] = LANES
@@ -49,6 +49,7 @@ class Options:
     samples: int = 32
     timeout_s: float | None = 300.0
     metric: str = "rmse"
+    clock: str = "wall"
 
 
 @dataclass
@@ -95,7 +96,7 @@ def study(todo: Sequence[Entry], options: Options) -> Iterator[Event]:
             for name in REFERENCES:
                 failed = _refer(pool, entry, name, options)
                 done += 1
-                yield Event(done, total, entry.source.name, f"{name} reference", failed)
+                yield Event(done, total, entry.source.name, name, failed, "references")
             facts = entry.references.get("deep")
             depths = references.depths(entry.scene, facts) if facts else []
             entry.plan = [
@@ -112,7 +113,7 @@ def study(todo: Sequence[Entry], options: Options) -> Iterator[Event]:
                     failed = _try(pool, entry, point, options, missing)
                 done += 1
                 what = f"{point.renderer} {point.label}"
-                yield Event(done, total, entry.source.name, what, failed)
+                yield Event(done, total, entry.source.name, what, failed, "timing")
             _find_fronts(entry, options.metric)
 
 
@@ -200,7 +201,7 @@ def _keep(
         "kind": point.kind,
         "against": AGAINST[point.kind],
         "own_rules": own_rules,
-        **made.record,
+        **made.record(options.clock),
         "error": asdict(error),
         "half_step": made.half_step,
         "pareto": False,

@@ -22,7 +22,7 @@ def publish(
 
     Raises UsageError where the directory cannot be written.
     """
-    drawn = picture(made["points"], options.metric)
+    drawn = picture(made["points"], options.metric, options.clock)
     with publishing.workspace(directory) as built:
         publishing.publish(built, directory, _report(made, done, options, drawn))
     for name, text in ((JSON_NAME, record.dumps(made)), (PICTURE_NAME, drawn)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 _HEIGHT = 12.0
 
@@ -11,6 +12,9 @@ _OFFSETS = (
     (9, 4, 0.0), (-9, 4, 1.0), (7, -8, 0.0), (7, 15, 0.0), (-7, -8, 1.0), (-7, 15, 1.0),
     (0, -12, 0.5), (0, 20, 0.5), (12, -20, 0.0), (12, 27, 0.0), (-12, -20, 1.0), (-12, 27, 1.0),
 )  # fmt: skip
+
+#: A line is as good as points so far apart.
+_LINE_STEP = 6.0
 
 #: Half the side of a mark.
 _MARK = 4.0
@@ -27,6 +31,14 @@ class Labels:
         self._taken: list[Box] = [
             (x - _MARK, y - _MARK, x + _MARK, y + _MARK) for x, y in marks
         ]  # fmt: skip
+
+    def keep_off(self, line: Sequence[tuple[float, float]]) -> None:
+        """Keep labels off a line through some places."""
+        for (x, y), (to_x, to_y) in pairwise(line):
+            n = max(1, round(max(abs(to_x - x), abs(to_y - y)) / _LINE_STEP))
+            for i in range(n + 1):
+                at_x, at_y = x + (to_x - x) * i / n, y + (to_y - y) * i / n
+                self._taken.append((at_x - 1, at_y - 1, at_x + 1, at_y + 1))
 
     def place(self, text: str, x: float, y: float, advance: float) -> tuple[float, float] | None:
         """Return the left end of a text's baseline near a mark; None: there is no room.

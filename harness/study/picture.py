@@ -26,7 +26,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 74, 24, 58, 78
 #: Kind → its colour and dashes.
 LINES = {
     "rounding": ("#0072b2", ""),
-    "certified": ("#7f3c8d", "1 4"),
+    "certified": ("#b07cc6", "1 4"),
     "model": ("#cc79a7", "2 3 8 3"),
     "offset": ("#e69f00", "8 3"),
     "pruning": ("#56b4e9", "12 3 2 3"),
@@ -49,7 +49,7 @@ text{fill:currentColor}.grid{stroke:currentColor;stroke-opacity:.14}
 .small{font-size:11px}.front{fill:none;stroke-width:2}"""
 
 
-def picture(points: Sequence[Mapping[str, Any]], metric: str) -> str:
+def picture(points: Sequence[Mapping[str, Any]], metric: str, clock: str = "wall") -> str:
     """Draw records of points: one plot a scene, one below the other."""
     scenes = list(dict.fromkeys(point["scene"] for point in points))
     height = HEIGHT * max(1, len(scenes))
@@ -57,7 +57,7 @@ def picture(points: Sequence[Mapping[str, Any]], metric: str) -> str:
     for i, name in enumerate(scenes):
         some = [point for point in points if point["scene"] == name]
         body.append(f'<g transform="translate(0 {i * HEIGHT})">')
-        body += _plot(name, some, metric)
+        body += _plot(name, some, metric, clock)
         body.append("</g>")
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" '
@@ -66,7 +66,7 @@ def picture(points: Sequence[Mapping[str, Any]], metric: str) -> str:
     return "\n".join([head, f"<style>{_STYLE}</style>", *body, "</svg>"]) + "\n"
 
 
-def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str) -> Iterator[str]:
+def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str, clock: str) -> Iterator[str]:
     known = [p for p in points if p["error"][metric] is not None and p["seconds"] > 0]
     yield f'<text class="title" x="{_LEFT}" y="24">{escape(name)}: what accuracy costs</text>'
     yield from _legend({p["renderer"] for p in known})
@@ -75,11 +75,12 @@ def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str) -> Iterat
         return
     across = Axis.around([p["seconds"] for p in known], _LEFT, WIDTH - _RIGHT)
     up = Axis.around([p["error"][metric] for p in known], HEIGHT - _BOTTOM, _TOP)
-    yield from _grid(across, up, metric)
+    yield from _grid(across, up, metric, clock)
     places = [(across(p["seconds"]), up(p["error"][metric])) for p in known]
     for point, (x, y) in zip(known, places, strict=True):
         if not point["pareto"]:
             yield _mark(point, x, y, 'class="soft"', 0.7)
+    fronts = {}
     labels = Labels((_LEFT, _TOP, WIDTH - _RIGHT, HEIGHT - _BOTTOM), places)
     for kind in KINDS:
         front = [
@@ -88,7 +89,11 @@ def _plot(name: str, points: Sequence[Mapping[str, Any]], metric: str) -> Iterat
             if point["kind"] == kind and point["pareto"]
         ]
         if front:
-            yield from _front(kind, sorted(front, key=lambda it: it[1]), labels)
+            # From the left; of two at one time the worse first, as a front falls.
+            fronts[kind] = sorted(front, key=lambda it: it[1])
+            labels.keep_off([place for _, place in fronts[kind]])
+    for kind, front in fronts.items():
+        yield from _front(kind, front, labels)
 
 
 def _front(
@@ -102,18 +107,14 @@ def _front(
     )
     for point, (x, y) in front:
         yield _mark(point, x, y, f'fill="{color}" stroke="{color}"', 1.0)
-    x, y = front[-1][1] if len(front) > 1 else front[0][1]
-    said = labels.place(kind, x, y, 7.6)
-    if said:
-        yield (
-            f'<text x="{said[0]:.1f}" y="{said[1]:.1f}" font-weight="700" '
-            f'style="fill:{color}">{kind}</text>'
-        )
-    for point, (x, y) in front:
-        said = labels.place(_short_label(point), x, y, 6.0)
-        if said:
-            text = escape(_short_label(point))
-            yield f'<text class="small" x="{said[0]:.1f}" y="{said[1]:.1f}">{text}</text>'
+    # The last point's name first: beside it that of the front.
+    for number, (point, (x, y)) in enumerate(reversed(front)):
+        words = [(_short_label(point), 6.0, 'class="small"')]
+        words += [(kind, 7.6, 'font-weight="700"')] if number == 0 else []
+        for text, advance, look in words:
+            said = labels.place(text, x, y, advance)
+            if said:
+                yield f'<text {look} x="{said[0]:.1f}" y="{said[1]:.1f}">{escape(text)}</text>'
 
 
 def _short_label(point: Mapping[str, Any]) -> str:
@@ -124,7 +125,7 @@ def _short_label(point: Mapping[str, Any]) -> str:
     if text == "default":
         return str(point["renderer"])
     # Its error is 0 because it is what the others are measured with.
-    return f"{text}, the yardstick" if text == "f128" and point["kind"] == "rounding" else text
+    return f"{text} (yardstick)" if text == "f128" and point["kind"] == "rounding" else text
 
 
 def _mark(point: Mapping[str, Any], x: float, y: float, look: str, size: float) -> str:
@@ -146,7 +147,7 @@ def _legend(renderers: set[str]) -> Iterator[str]:
     yield f'<text x="{x + 11}" y="46">not on the front of its kind</text>'
 
 
-def _grid(across: Axis, up: Axis, metric: str) -> Iterator[str]:
+def _grid(across: Axis, up: Axis, metric: str, clock: str) -> Iterator[str]:
     left, right, top, bottom = _LEFT, WIDTH - _RIGHT, _TOP, HEIGHT - _BOTTOM
     for exponent in decades(across):
         x = across(10.0**exponent)
@@ -160,8 +161,9 @@ def _grid(across: Axis, up: Axis, metric: str) -> Iterator[str]:
         y = up(0.0)
         yield f'<line class="grid" x1="{left}" y1="{y:.1f}" x2="{right}" y2="{y:.1f}"/>'
         yield f'<text x="{left - 8}" y="{y + 4:.1f}" text-anchor="end">0</text>'
+    said = "seconds an image" if clock == "wall" else "processor seconds an image"
     middle, height = (left + right) / 2, (top + bottom) / 2
-    yield f'<text x="{middle}" y="{bottom + 40}" text-anchor="middle">seconds an image</text>'
+    yield f'<text x="{middle}" y="{bottom + 40}" text-anchor="middle">{said}</text>'
     yield (
         f'<text transform="translate(18 {height}) rotate(-90)" text-anchor="middle">'
         f"{METRICS[metric]} on linear float</text>"

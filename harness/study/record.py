@@ -31,6 +31,7 @@ def record(done: Sequence[Entry], options: Options, wish: Wish) -> dict[str, Any
     return {
         "schema": SCHEMA,
         "metric": options.metric,
+        "clock": options.clock,
         "threads": options.threads,
         "want": wish.want if wish.budget_s is None else None,
         "budget_seconds": wish.budget_s,

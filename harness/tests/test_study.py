@@ -104,7 +104,8 @@ def test_every_run_is_kept(glass: experiment.Entry) -> None:
     for point in glass.points:
         assert len(point["runs"]) >= 3 and point["warm_up"] > 0
         assert min(point["runs"]) <= point["seconds"] <= max(point["runs"])
-        assert point["seconds"] == float(np.median(point["runs"]))
+        assert point["seconds"] == point["wall_seconds"] == float(np.median(point["runs"]))
+        assert len(point["processor_runs"]) == len(point["runs"])
 
 
 def test_the_front_of_a_kind_holds_its_fastest_and_its_most_exact(glass: experiment.Entry) -> None:

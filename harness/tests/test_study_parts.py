@@ -108,6 +108,8 @@ def test_what_the_clock_cannot_tell_apart_is_not_advised_by_noise() -> None:
     some = [point(kind="offset", seconds=0.100, spread=0.01, label="eps=1e-3"),
             point(kind="rounding", seconds=0.105, spread=0.01)]  # fmt: skip
     assert advise(some, Wish(want=1.0)).point == 1
+    some[1] |= {"seconds": 0.2, "spread": 1.0}
+    assert advise(some, Wish(want=1.0)).point == 0
     some[0]["spread"] = some[1]["spread"] = 0.0
     assert advise(some, Wish(want=1.0)).point == 0
 
