@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from crosstrace.harness.classes import NAMES, Class, classify, tolerance
 from crosstrace.harness.lanes import REFERENCE, loaded
 from crosstrace.translators.native.adapter import ARITHMETIC
-from crosstrace.translators.native.conditioning import envelope
+from crosstrace.translators.native.envelope import envelope
 from crosstrace.translators.native.truth import certify
 from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene

@@ -13,12 +13,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from crosstrace.harness import outcome
+from crosstrace.harness import outcome, verdict_table
 from crosstrace.harness.changes import Change
 from crosstrace.harness.goldens import Reference
 from crosstrace.harness.remeasure import Measured, Observer, is_packaged, measure
 from crosstrace.harness.session import RunOptions
-from crosstrace.harness.sources import Source
+from crosstrace.harness.sources import Source, all_packaged_names
 from crosstrace.translators.errors import UsageError
 
 SCHEMA = "crosstrace-check/1"
@@ -83,7 +83,10 @@ def bless(
         raise UsageError("expected a reason for accepting new results, found none")
     reference.check_writable()
     _, measured = measure(sources, reference, options, None, events, executor)
-    return [_blessed(one, reference, reason) for one in measured]
+    done = [_blessed(one, reference, reason) for one in measured]
+    if any(scene["bytes"] for scene in done):
+        verdict_table.write(reference, list(all_packaged_names()))
+    return done
 
 
 def told(absent: Sequence[Mapping[str, str]]) -> str:
@@ -117,8 +120,8 @@ def _checked(one: Measured, reference: Reference) -> dict[str, Any]:
         found = [_missing_golden(one, reference, absent)]
     else:
         found = one.changes()
-        # A scene without an index is to be as it was accepted, whatever that was.
-        if one.departs and is_packaged(one.source):
+        # A scene of which no index speaks is to be as it was accepted, whatever that was.
+        if one.departs and (is_packaged(one.source) or one.source.expected):
             found.insert(0, Change("verdict", _departure(one.record), True))
     fails = any(change.fails for change in found)
     return {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.resources import as_file, files
@@ -10,6 +9,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
+from crosstrace.harness import scene_index
 from crosstrace.translators.course import load
 from crosstrace.translators.errors import UsageError
 from crosstrace.translators.scene import Scene
@@ -23,8 +23,8 @@ class Source:
     """A scene under the name by which a report tells it from others; `title` may be empty.
 
     `expected` is what the scene's index says of the verdict where another renderer is known to be
-    wrong: its `verdict`, the lanes to `blame`, and the `cause`. It is of the scene as packaged, at
-    its own size; None: the verdict is to be `agree` or `explained`.
+    wrong: its `verdict`, the lanes to `blame`, and the `cause`. It is of the scene at its own size;
+    None: the verdict is to be `agree` or `explained`. A folder of anybody's may have an index.
     `stable` is what the index of a packaged scene promises of each precision
     (translators/native/thresholds.py).
     """
@@ -103,7 +103,7 @@ def _named(scene: Scene) -> Source:
     found = _packaged(name) if prefix == "crosstrace" else None
     if found is None:
         return Source(scene.name or "scene", scene)
-    return _titled(name, scene, *found)
+    return _titled(Source(name, scene, packaged=found[0] == COURSE), found[1])
 
 
 def _packaged(name: str) -> tuple[str, dict[str, Any]] | None:
@@ -115,10 +115,12 @@ def _packaged(name: str) -> tuple[str, dict[str, Any]] | None:
     return None
 
 
-def _titled(name: str, scene: Scene, collection: str, entry: dict[str, Any]) -> Source:
-    title, about = entry.get("title", entry.get("family", "")), entry.get("about", "")
-    of_packaged = entry.get("expected"), entry.get("stable", {})
-    return Source(name, scene, title, about, collection == COURSE, *of_packaged)
+def _titled(source: Source, entry: Mapping[str, Any]) -> Source:
+    """Add what an index says."""
+    return replace(
+        source, title=entry.get("title", entry.get("family", "")), about=entry.get("about", ""),
+        expected=entry.get("expected"), stable=entry.get("stable", {}),
+    )  # fmt: skip
 
 
 def _sources(text: str, delivery: int | None) -> list[Source]:
@@ -127,7 +129,9 @@ def _sources(text: str, delivery: int | None) -> list[Source]:
         inside = sorted(path.glob("*.txt"))
         if not inside:
             raise UsageError(f"{text}: expected a folder of .txt scenes, found none")
-        return [_from_file(file, delivery) for file in inside]
+        about = scene_index.entries(path)
+        sources = [_from_file(file, delivery) for file in inside]
+        return [_titled(source, about.get(source.name, {})) for source in sources]
     if path.exists():
         return [_from_file(path, delivery)]
     found = _packaged(text)
@@ -139,7 +143,7 @@ def _sources(text: str, delivery: int | None) -> list[Source]:
     collection, entry = found
     with as_file(_folder(collection) / entry["file"]) as file:
         scene = replace(load(file, delivery), path=f"crosstrace:{text}", name=text)
-    return [_titled(text, scene, collection, entry)]
+    return [_titled(Source(text, scene, packaged=collection == COURSE), entry)]
 
 
 def _from_file(path: Path, delivery: int | None) -> Source:
@@ -167,8 +171,4 @@ def _folder(collection: str) -> Traversable:
 
 
 def _index(collection: str) -> dict[str, dict[str, Any]]:
-    try:
-        entries = json.loads((_folder(collection) / "index.json").read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return {}
-    return {entry["name"]: entry for entry in entries}
+    return scene_index.entries(_folder(collection))

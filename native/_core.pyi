@@ -95,7 +95,7 @@ def intersect(
     """Find the nearest hit of n rays, by the code that renders, in this thread.
 
     `origins` and `directions` are (3, n) float64, directions of length 1; `outputs` are t (n,)
-    float64, infinite where nothing is hit, and object (n,) int32, then -1. Each block of a few
+    float64, infinite where nothing is hit, and object (n,) int64, then -1. Each block of a few
     hundred rays is traced `passes` times. Raises as `render`.
     """
 
@@ -115,15 +115,21 @@ def render(
     settings: list[tuple[str, str]],
     outputs: dict[str, Any],
     progress: Callable[[float], object] | None,
+    tree: Any = None,
     /,
 ) -> dict[str, int]:
     """Render into the caller's arrays and return the ray counts.
 
     `settings` are readings and precision, rounding (nearest, up, down, zero), instructions (the
-    most to use: generic, fma, avx2, avx512, native), threads, effects, tolerance, ray_budget,
-    row_begin, row_end, as texts. `outputs` maps names to C-contiguous arrays over the
-    rendered rows: image (3 float64 a pixel), object (int32), t (float64), normal (3 float64), tree
-    (uint64), rays (uint32), contributions (6 × 3 float64), image_low (3 float64: what rounding
-    `image` to double left out). Raises ValueError for a wrong setting or array, RuntimeError
-    where the tracer gave up, and whatever `progress` raised.
+    most to use: generic, fma, avx2, avx512, native), search (auto, scan, tree: how objects are
+    found, the same bits), threads, effects, tolerance, ray_budget, row_begin, row_end, as texts.
+    `outputs` maps names to C-contiguous arrays over the rendered rows: image (3 float64 a pixel), object
+    (int32), t (float64), normal (3 float64), tree (uint64), rays (uint32), contributions (6 × 3
+    float64), image_low (3 float64: what rounding `image` to double left out).
+    Raises ValueError for a wrong setting or array, RuntimeError
+    where the tracer gave up, and whatever `progress` raised. `tree` is what `tree()` returned of
+    the same arrays: many spheres are then not sorted again.
     """
+
+def tree(scene: tuple[Any, ...], /) -> Any:
+    """Sort a scene's spheres into a tree, for several calls of `render`; MemoryError."""

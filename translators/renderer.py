@@ -44,12 +44,15 @@ class Capabilities:
     """The limits of a renderer (None: no limit of its own), and whose code it is.
 
     `stages` names who does each of `STAGES`, where that is not the renderer itself: two renderers
-    with the same name there are one witness, not two.
+    with the same name there are one witness, not two. `bytes_per_pixel` is what rendering one takes
+    at the peak, as measured, and `layer_bytes_per_pixel` what its layers take besides.
     """
 
     max_objects: int | None = None
     max_depth: int | None = None
     max_pixels: int | None = None
+    bytes_per_pixel: int = 24
+    layer_bytes_per_pixel: int = 0
     stages: Mapping[str, str] = field(default_factory=dict)
 
 

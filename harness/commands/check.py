@@ -17,8 +17,7 @@ from crosstrace.harness.commands import options
 @options.reference
 @click.option("-o", "--output", metavar="DIR", type=click.Path(path_type=Path),
               help="Keep the report of this run, and check.json.")  # fmt: skip
-@click.option("--junit", metavar="FILE", type=click.Path(path_type=Path),
-              help="Write the outcome as JUnit XML.")  # fmt: skip
+@options.junit
 @options.renderers
 @options.scene_options
 @options.threads
@@ -56,7 +55,7 @@ def command(
     if junit is not None:
         options.check_target(junit)
     sources = options.suite(scenes, reference, delivery, size)
-    how = RunOptions(lanes, jobs or 0, threads, timeout)
+    how = RunOptions(lanes, jobs or 0, threads, timeout, size=size)
     with console.progress(quiet, f"scenes: {len(sources)}, renderers: {', '.join(lanes)}") as bar:
         checked = regression.check(
             sources, located(reference), how, out=output, events=console.observer(bar)
@@ -81,11 +80,7 @@ def _write(checked: dict[str, Any], output: Path | None, junit: Path | None) -> 
     if junit is not None:
         files[junit] = document(checked)
     for path, content in files.items():
-        images.write_atomically(path, partial(_save, content=content))
-
-
-def _save(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
+        images.write_atomically(path, partial(images.save_bytes, content=content))
 
 
 def _print(checked: dict[str, Any], quiet: bool) -> None:

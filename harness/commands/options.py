@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -41,6 +42,20 @@ timeout = click.option(
     "--timeout", type=click.FloatRange(0, min_open=True), metavar="SECONDS", default=300.0,
     show_default=True, help="Give an image up after this time.",
 )  # fmt: skip
+
+
+def _finite(context: click.Context, parameter: click.Parameter, value: float) -> float:
+    if not 0 <= value < math.inf:
+        raise click.BadParameter(f"expected a number from 0, found {value}")
+    return value
+
+
+tolerance = click.option(
+    "--tolerance", type=float, callback=_finite, default=0.0, metavar="X",
+    help="Differences that count as equal, on linear float, beside what a renderer cannot hold.",
+)  # fmt: skip
+junit = click.option("--junit", metavar="FILE", type=click.Path(path_type=Path),
+                     help="Write the outcome as JUnit XML.")  # fmt: skip
 jobs = click.option(
     "--jobs", type=click.IntRange(1), help="How much is worked on at once; default: one a core."
 )

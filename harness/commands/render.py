@@ -58,6 +58,8 @@ def command(
     native's.
     """
     from crosstrace.harness import alone, images
+    from crosstrace.harness.bands import is_large
+    from crosstrace.harness.lanes import REFERENCE
     from crosstrace.translators.renderer import RenderOptions
 
     lane = options.one_lane(lane)
@@ -68,21 +70,34 @@ def command(
     source = options.one_scene(scene, delivery, size)
     how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov,
                         tolerance=tolerance)  # fmt: skip
+    in_bands = lane == REFERENCE and not aov and not certify and is_large(*source.scene.shape[:2])
     with console.progress(quiet, f"{source.name} by {lane}", counted=False) as bar:
-        made, peak_mib = alone.render(
-            lane, source.scene, how, progress=lambda share: bar.update(share, 1.0)
-        )
-        layers = made.layers if aov else {}
-        if certify:
-            layers |= alone.certify(source.scene, readings, timeout)
+
+        def told(share: float) -> None:
+            bar.update(share, 1.0)
+
+        if in_bands:
+            # How many rays there were is not known when the file begins.
+            settings_known = {"precision": precision, "readings": readings}
+            metadata = _texts(_about(lane, source.scene, settings_known))
+            made, peak_mib = alone.render_to_file(
+                source.scene, how, output, metadata, rule, progress=told
+            )
+        else:
+            made, peak_mib = alone.render(lane, source.scene, how, progress=told)
+            layers = made.layers if aov else {}
+            if certify:
+                layers |= alone.certify(source.scene, readings, timeout)
     described = _describe(lane, source.scene, made)
-    images.write(output, made.image, metadata=_texts(described), layers=layers or None, rule=rule)
+    if not in_bands:
+        images.write(output, made.image, metadata=_texts(described), layers=layers or None,
+                     rule=rule)  # fmt: skip
     if as_json:
         console.json_result({**described, "file": str(output), "peak_mib": peak_mib})
         return
     seconds = made.seconds
     total = seconds.startup + seconds.translate + seconds.render
-    rows, columns, _ = made.image.shape
+    rows, columns, _ = source.scene.shape
     console.note(f"{output}: {rows}x{columns}, {lane}, {total:.2f} s, {peak_mib:.0f} MiB", quiet)
 
 
@@ -107,6 +122,15 @@ def _check(lane: str, output: Path, rule: DisplayRule, asked: dict[str, bool]) -
 def _describe(lane: str, scene: Scene, made: Rendering) -> dict[str, Any]:
     from dataclasses import asdict
 
+    return {
+        **_about(lane, scene, made.settings),
+        "half_step": made.half_step,
+        "seconds": asdict(made.seconds),
+        "messages": made.messages,
+    }
+
+
+def _about(lane: str, scene: Scene, settings: dict[str, Any]) -> dict[str, Any]:
     import crosstrace
 
     return {
@@ -114,10 +138,7 @@ def _describe(lane: str, scene: Scene, made: Rendering) -> dict[str, Any]:
         "scene_sha256": scene.sha256,
         "renderer": lane,
         "crosstrace": crosstrace.__version__,
-        "settings": made.settings,
-        "half_step": made.half_step,
-        "seconds": asdict(made.seconds),
-        "messages": made.messages,
+        "settings": settings,
     }
 
 

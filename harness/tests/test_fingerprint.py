@@ -9,7 +9,7 @@ import pytest
 
 from crosstrace.harness.api import load
 from crosstrace.harness.fingerprint import Fingerprint, reduced, take, take_and_compare
-from crosstrace.translators.native.conditioning import envelope
+from crosstrace.translators.native.envelope import envelope
 from crosstrace.translators.native.truth import certify
 from crosstrace.translators.scene import Scene
 

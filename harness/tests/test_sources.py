@@ -97,3 +97,33 @@ def test_a_packaged_scene_given_as_a_scene_keeps_its_title() -> None:
         (source,) = find([name])
         (again,) = from_scenes([source.scene])
         assert again == source and again.title
+
+
+def test_a_folder_s_index_says_what_is_expected_of_its_scenes(tmp_path: Path) -> None:
+    """By name or by file; a scene that it leaves out is to agree."""
+    for name in ("a.txt", "b.txt", "c.txt"):
+        scene_file(tmp_path, name=name)
+    expected = {"verdict": "disagree", "blame": ["povray"], "cause": "known"}
+    index = [{"file": "a.txt", "expected": expected}, {"name": "c", "title": "Third"}]
+    (tmp_path / "index.json").write_text(json.dumps(index))
+    a, b, c = find([str(tmp_path)])
+    assert (a.expected, b.expected, c.expected) == (expected, None, None)
+    assert c.title == "Third"
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("{", "JSON"),
+        ("{}", "a list of scenes"),
+        ('[{"title": "nameless"}]', "the name or file"),
+        ('[{"name": "a", "expected": {"verdict": "fine", "blame": [], "cause": ""}}]', "a verdict"),
+        ('[{"name": "a", "expected": {"verdict": "agree", "blame": "x"}}]', "a verdict"),
+    ],
+)
+def test_a_malformed_index_is_refused_by_name(tmp_path: Path, text: str, word: str) -> None:
+    """The message says which file, and what belongs there."""
+    scene_file(tmp_path)
+    (tmp_path / "index.json").write_text(text)
+    with pytest.raises(UsageError, match=rf"index.json: expected .*{word}"):
+        find([str(tmp_path)])

@@ -23,6 +23,8 @@ static int apply_setting(call *c, const char *name, const char *value) {
     status = ct_options_set_rounding(c->options, value, &fault);
   else if (strcmp(name, "instructions") == 0)
     status = ct_options_set_instructions(c->options, value, &fault);
+  else if (strcmp(name, "search") == 0)
+    status = ct_options_set_search(c->options, value, &fault);
   else if (strcmp(name, "tolerance") == 0) {
     double tolerance = PyOS_string_to_double(value, NULL, NULL);
     if (tolerance == -1.0 && PyErr_Occurred()) return -1;

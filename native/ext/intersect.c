@@ -13,7 +13,7 @@ static int open_columns(call *c, PyObject *array, Py_ssize_t n, const char *what
   return 0;
 }
 
-static const named_output table[] = {{"t", 'd', 1, 0}, {"object", 'i', 1, sizeof(void *)}};
+static const named_output table[] = {{"t", 'd', 1, 0}, {"object", 'q', 1, sizeof(void *)}};
 
 PyObject *core_intersect(PyObject *module, PyObject *arguments) {
   PyObject *scene, *settings, *origin, *direction, *arrays, *result = NULL;
@@ -22,7 +22,7 @@ PyObject *core_intersect(PyObject *module, PyObject *arguments) {
   ct_rays rays = {0};
   struct {
     double *t;
-    int32_t *object;
+    int64_t *object;
   } out = {0};
   (void)module;
   if (!PyArg_ParseTuple(arguments, "OO!nOOnO!", &scene, &PyList_Type, &settings, &n, &origin,

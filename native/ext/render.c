@@ -15,15 +15,23 @@ static const named_output table[] = {
 };
 
 PyObject *core_render(PyObject *module, PyObject *arguments) {
-  PyObject *scene, *settings, *arrays, *progress, *result = NULL;
+  PyObject *scene, *settings, *arrays, *progress, *tree = Py_None, *result = NULL;
   call c = {0};
   ct_outputs outputs = {0};
   ct_stats stats = {0};
   (void)module;
-  if (!PyArg_ParseTuple(arguments, "OO!O!O", &scene, &PyList_Type, &settings, &PyDict_Type,
-                        &arrays, &progress) ||
+  if (!PyArg_ParseTuple(arguments, "OO!O!O|O", &scene, &PyList_Type, &settings, &PyDict_Type,
+                        &arrays, &progress, &tree) ||
       call_open(&c, scene, settings, progress) != 0)
     return NULL;
+  if (tree != Py_None) {
+    const ct_tree *built = PyCapsule_GetPointer(tree, "ct_tree");
+    if (!built) {
+      call_release(&c);
+      return NULL;
+    }
+    ct_options_set_tree(c.options, built);
+  }
   Py_ssize_t rows = (c.row_end ? c.row_end : (Py_ssize_t)c.scene.view.v_res) - c.row_begin;
   if (call_open_outputs(&c, arrays, table, sizeof table / sizeof *table,
                         rows * (Py_ssize_t)c.scene.view.h_res, &outputs) == 0) {
@@ -37,4 +45,24 @@ PyObject *core_render(PyObject *module, PyObject *arguments) {
   }
   call_release(&c);
   return result;
+}
+
+static void free_tree(PyObject *capsule) {
+  ct_tree_free(PyCapsule_GetPointer(capsule, "ct_tree"));
+}
+
+PyObject *core_tree(PyObject *module, PyObject *tuple) {
+  scene_argument scene;
+  ct_tree *tree = NULL;
+  ct_status status;
+  (void)module;
+  if (scene_argument_open(tuple, &scene) != 0) return NULL;
+  Py_BEGIN_ALLOW_THREADS
+  status = ct_tree_new(&scene.view, &tree);
+  Py_END_ALLOW_THREADS
+  scene_argument_close(&scene);
+  if (call_raise(status) != 0) return NULL;
+  PyObject *capsule = PyCapsule_New(tree, "ct_tree", free_tree);
+  if (!capsule) ct_tree_free(tree);
+  return capsule;
 }

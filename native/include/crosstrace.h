@@ -132,6 +132,17 @@ CT_API ct_status ct_options_set_instructions(ct_options *options, const char *mo
  * less than without, never more. 0 (the default) leaves out none. A tree's hash and the counts of
  * rays are of what is traced; ct_certify takes no notice. */
 CT_API ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fault *fault);
+/* How the objects that a ray meets are found: scan asks every one, tree (a tree of boxes over the
+ * spheres) those near the ray; auto (the default) takes the tree where there are enough spheres for
+ * it to pay. All give the same bits. */
+CT_API ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *fault);
+/* The tree of a scene, to render it in several calls (bands of rows, other readings) and build but
+ * once. It is used for views with the same eye and the same arrays; other calls build their own.
+ * *out is NULL on failure. The options borrow it; NULL takes it away again. */
+typedef struct ct_tree ct_tree;
+CT_API ct_status ct_tree_new(const ct_scene_view *view, ct_tree **out);
+CT_API void ct_tree_free(ct_tree *tree);
+CT_API void ct_options_set_tree(ct_options *options, const ct_tree *tree);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
@@ -199,7 +210,7 @@ typedef struct ct_rays {
  * heeded besides those of ct_render's hits: instructions, and CT_ERR_OPTION for a precision other
  * than f64. */
 CT_API ct_status ct_intersect(const ct_scene_view *view, const ct_options *options,
-                              const ct_rays *rays, size_t passes, double *t_world, int32_t *object);
+                              const ct_rays *rays, size_t passes, double *t_world, int64_t *object);
 
 /* The most products and sums of doubles a second that the vectors of the options' instruction set
  * have done here, each a rounding of its own (no fused ones), in thousandths of `seconds` of

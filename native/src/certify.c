@@ -37,6 +37,9 @@ static const ct_set_kernel *kernel_of(int level, ct_instructions cap) {
 }
 
 static const int outcomes_followed[N_LEVELS] = {1, 16, 256};
+/* With rounding let in, more cost much and decide little: of the values behind glass that 256 prove
+ * wrong under four faults, 32 prove 98 %, in a quarter of the time. */
+enum { OUTCOMES_UNDER_TEST = 32 };
 
 typedef struct job {
   const ct_frame *frame;
@@ -102,8 +105,10 @@ static void certify_pixel(job *j, uint64_t at, uint64_t n_closed[N_LEVELS]) {
   int level = 0;
   for (; level < j->n_levels; level++) {
     int is_last = level == j->n_levels - 1;
-    ct_set_limits limits = {is_last ? outcomes_followed[N_LEVELS - 1] : outcomes_followed[level],
-                            RAYS_PER_PIXEL, &j->stop};
+    int n_outcomes = q->kappa > 0 ? OUTCOMES_UNDER_TEST
+                     : is_last  ? outcomes_followed[N_LEVELS - 1]
+                                : outcomes_followed[level];
+    ct_set_limits limits = {n_outcomes, RAYS_PER_PIXEL, &j->stop};
     if (level > 0) fesetround(j->kernels[level]->rounding);
     j->kernels[level]->pixel(j->worlds[level], pixel / h_res, pixel % h_res, &limits, &result);
     if (level > 0) fesetround(j->kernels[0]->rounding);

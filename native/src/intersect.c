@@ -7,7 +7,7 @@
 #include "stream.h"
 
 ct_status ct_intersect(const ct_scene_view *view, const ct_options *options, const ct_rays *rays,
-                       size_t passes, double *t_world, int32_t *object) {
+                       size_t passes, double *t_world, int64_t *object) {
   if (!view || !options || !rays || !t_world || !object || passes == 0) return CT_ERR_ARGUMENT;
   if (strcmp(ct_precision_name(options->precision), "f64") != 0 ||
       options->rounding != CT_ROUND_NEAREST)

@@ -15,6 +15,7 @@
 #include "perturb.inc.h"
 #else
 #define NUDGED(pixel, direction) ((void)(pixel), (direction))
+#define NUDGED_ORIGIN(pixel, origin) (origin)
 #define IS_NUDGED(pixel) 0
 #define NUDGE_HIT(world, pixel, ray, hit) ((void)0)
 #endif
@@ -85,9 +86,7 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
   const WORLD *world = opaque;
   RAY ray = FN(primary)(world, pixel, row, column);
   SPLIT split;
-  ct_medium around[CT_MEDIA_AROUND_EYE];
-  if (world->choice[CT_NESTING] != CT_NESTING_RELATIVE)
-    ray.medium = ct_media_around_eye(world->view, around);
+  ray.medium = world->frame->eye_medium;
   VEC color = FN(trace)(world, pixel, &ray, &split, &pixel->tree);
   v_store(color, pixel->color);
   v_store_low(color, pixel->color_low);
@@ -100,7 +99,7 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
     v_store(split.total_reflection, pixel->contributions + 15);
   }
   if (pixel->wants_hit) {
-    HIT hit = FN(nearest)(world, &ray);
+    HIT hit = FN(nearest)(world, pixel, &ray);
     pixel->object = (int32_t)hit.object;
     pixel->t_world = hit.object >= 0 ? to_double(hit.t) : (double)INFINITY;
     v_store(hit.object >= 0 ? hit.normal : v_zero(), pixel->normal);
@@ -108,10 +107,11 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
 }
 
 static void FN(nearest_to)(const void *opaque, const double origin[3], const double direction[3],
-                           double *t, int32_t *object) {
+                           double *t, int64_t *object) {
   RAY ray = {.origin = v_load(origin), .direction = v_load(direction)};
-  HIT hit = FN(nearest)(opaque, &ray);
-  *object = (int32_t)hit.object;
+  ct_pixel pixel = {0};
+  HIT hit = FN(nearest)(opaque, &pixel, &ray);
+  *object = hit.object;
   *t = hit.object >= 0 ? to_double(hit.t) : (double)INFINITY;
 }
 

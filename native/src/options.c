@@ -161,6 +161,16 @@ ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fau
   return CT_OK;
 }
 
+ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *fault) {
+  static const char ways[] = "auto|scan|tree";
+  if (!options || !way) return CT_ERR_ARGUMENT;
+  int found = find_value(ways, way);
+  if (found < 0) return refuse(fault, "search", ways, way);
+  options->search = found;
+  return CT_OK;
+}
+
+void ct_options_set_tree(ct_options *options, const ct_tree *tree) { options->tree = tree; }
 void ct_options_set_effects(ct_options *options, unsigned mask) { options->effects = mask; }
 void ct_options_set_threads(ct_options *options, unsigned n) { options->n_threads = n; }
 void ct_options_set_ray_budget(ct_options *options, uint64_t n) { options->ray_budget = n; }

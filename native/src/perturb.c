@@ -31,6 +31,7 @@ static void sample_pixels(void *argument, void *state, uint64_t begin, uint64_t 
       pixel->tree = 0;
       pixel->n_rays = 0;
       pixel->n_draws = 0;
+      pixel->by_component = (int)(k & 1);
       pixel->stream = ct_tree_mix(pixel_stream, k);
       ct_kernel_f64_perturbed.pixel(j->world, index / j->view->h_res, index % j->view->h_res,
                                     pixel);

@@ -17,9 +17,10 @@
 #include CT_LANES
 #include "lanes_vector.inc.h"
 #include "stream_world.inc.h"
-#include "stream_store.inc.h"
 #include "stream_hit.inc.h"
 #include "stream_cull.inc.h"
+#include "stream_tree.inc.h"
+#include "stream_store.inc.h"
 #include "stream_prune.inc.h"
 #include "stream_trace.inc.h"
 

@@ -15,19 +15,13 @@ INLINE ROOTS roots_beyond(MASK wanted, LANES near, LANES far, LANES t_min) {
   return (ROOTS){t, m_and(wanted, l_less(t_min, t))};
 }
 
-/* sphere_nearest, where t_min is not below 0. */
-INLINE ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction, int on_surface,
-                                    LANES t_min, MASK wanted) {
+/* sphere_nearest, where t_min is not below 0 and the origin is not on the sphere. */
+INLINE ROOTS sphere_roots_at(VECS at, LANES r2, VECS origin, VECS direction, LANES t_min,
+                             MASK wanted) {
   LANES zero = l_all(0);
-  VECS f = vs_sub(origin, vs_all(s->at));
-  LANES b = -vs_dot(f, direction);
+  VECS f = vs_sub(origin, at);
+  LANES b = -vs_dot(f, direction), c = vs_dot(f, f) - r2;
   MASK away = l_less(b, zero);
-  if (on_surface) {
-    LANES far = l_all(2) * b;
-    MASK behind = l_less(far, zero);
-    return roots_beyond(wanted, l_blend(behind, far, zero), l_blend(behind, zero, far), t_min);
-  }
-  LANES r2 = l_all(s->r2), c = vs_dot(f, f) - r2;
   wanted = m_but(wanted, m_and(away, l_less(zero, c)));
   if (!m_any(wanted)) return (ROOTS){zero, wanted};
   VECS l = vs_along(f, b, direction);
@@ -38,6 +32,16 @@ INLINE ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction, int on
   /* Both roots are 0 where q is. */
   wanted = m_and(wanted, l_nonzero(q));
   return roots_beyond(wanted, l_lesser(q, other), l_greater(other, q), t_min);
+}
+
+INLINE ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction, int on_surface,
+                             LANES t_min, MASK wanted) {
+  if (!on_surface)
+    return sphere_roots_at(vs_all(s->at), l_all(s->r2), origin, direction, t_min, wanted);
+  LANES zero = l_all(0), b = -vs_dot(vs_sub(origin, vs_all(s->at)), direction);
+  LANES far = l_all(2) * b;
+  MASK behind = l_less(far, zero);
+  return roots_beyond(wanted, l_blend(behind, far, zero), l_blend(behind, zero, far), t_min);
 }
 
 /* plane_nearest; the quotient is above 0 only where its signs agree. */
@@ -74,21 +78,33 @@ typedef struct FN(hits) {
 } FN(hits);
 #define HITS FN(hits)
 
-/* Among the objects whose bits are set in `may`. */
-INLINE HITS nearest_of(const STAGE *stage, const uint64_t *may, VECS origin,
-                              VECS direction, int primary, MASK wanted) {
-  HITS hits = {l_all((REAL)NAN), i_all(-1)};
+/* What n rays in columns, of which whole vectors can be read, hit among the objects whose bits are
+ * set in `may`: object by object, as its numbers then stay in registers, and the branches taken for
+ * it look alike. The distance is no number where nothing is hit. */
+INLINE void nearest_in_columns(const STAGE *stage, const uint64_t *may, const COLUMNS *origin,
+                               const COLUMNS *direction, size_t n, int primary, REAL *t,
+                               LANE_ID *object) {
   LANES zero = l_all(0);
+  for (size_t at = 0; at < n; at += N_LANES) {
+    l_store(t + at, l_all((REAL)NAN));
+    i_store(object + at, i_all(-1));
+  }
   for (size_t word = 0; word < stage->n_words; word++)
     for (uint64_t left = may[word]; left; left &= left - 1) {
       size_t i = 64 * word + (unsigned)__builtin_ctzll(left);
-      ROOTS roots = roots_of(stage, stage->shape + i, origin, direction, primary, zero, wanted);
-      /* A tie stays with the first in the file. */
-      MASK nearer = m_and(roots.valid, l_not_at_least(roots.t, hits.t));
-      hits.t = l_blend(nearer, roots.t, hits.t);
-      hits.object = i_blend(nearer, i_all((LANE_ID)i), hits.object);
+      const SHAPE shape = stage->shape[i];
+      IDS id = i_all((LANE_ID)i);
+      for (size_t at = 0; at < n; at += N_LANES) {
+        ROOTS roots = roots_of(stage, &shape, vs_load(origin, at), vs_load(direction, at), primary,
+                               zero, m_first(n - at));
+        LANES best = l_load(t + at);
+        /* A tie stays with the first in the file. */
+        MASK nearer = m_and(roots.valid, l_not_at_least(roots.t, best));
+        if (!m_any(nearer)) continue;
+        l_store(t + at, l_blend(nearer, roots.t, best));
+        i_store(object + at, i_blend(nearer, id, i_load(object + at)));
+      }
     }
-  return hits;
 }
 
 /* blocks_own_light */

@@ -4,49 +4,64 @@
 /* Rays of a block: they and their hits stay in the processor's nearest cache. */
 enum { BLOCK_RAYS = 256 };
 
-static inline COLUMNS columns_at(const ct_rays *rays, int origin, size_t at) {
-  const double *const *c = origin ? rays->origin : rays->direction;
-  return (COLUMNS){(REAL *)(uintptr_t)(c[0] + at), (REAL *)(uintptr_t)(c[1] + at),
-                   (REAL *)(uintptr_t)(c[2] + at)};
-}
-
-INLINE void intersect_vector(const STAGE *stage, VECS origin, VECS direction, MASK live, size_t n,
-                             double *t, int32_t *object) {
-  REAL near[N_LANES];
-  LANE_ID id[N_LANES];
-  HITS hits = nearest_of(stage, stage->all, origin, direction, 0, live);
-  l_store(near, l_blend(l_is_number(hits.t), hits.t, l_all((REAL)INFINITY)));
-  i_store(id, hits.object);
-  for (size_t k = 0; k < n; k++) {
-    t[k] = near[k];
-    object[k] = (int32_t)id[k];
+/* Rays of a block against a tree: as a bundle, they list what they may meet. */
+static void intersect_with_tree(const STAGE *stage, const COLUMNS *origin, const COLUMNS *direction,
+                                size_t n, REAL *t, LANE_ID *object) {
+  SHAPE shape[LISTED];
+  uint32_t listed[LISTED];
+  REAL from[LISTED];
+  LIST list = {.shape = shape, .object = listed, .from = from};
+  BOX origins = box_of_nothing(), directions = box_of_nothing();
+  for (size_t at = 0; at < n; at += N_LANES) {
+    box_take(&origins, m_first(n - at), vs_load(origin, at));
+    box_take(&directions, m_first(n - at), vs_load(direction, at));
+  }
+  list_targets(stage, &origins, &directions, &list);
+  for (size_t at = 0; at < n; at += N_LANES) {
+    HITS hits = nearest_in_tree(stage, &list, vs_load(origin, at), vs_load(direction, at), 0,
+                                m_first(n - at));
+    l_store(t + at, hits.t);
+    i_store(object + at, hits.object);
   }
 }
 
 static void FN(intersect)(const void *opaque, const ct_rays *rays, size_t passes, double *t,
-                          int32_t *object) {
+                          int64_t *object) {
   const STAGE *stage = opaque;
-  size_t n = rays->n, whole = n / N_LANES * N_LANES;
-  for (size_t block = 0; block < whole; block += BLOCK_RAYS) {
-    size_t end = block + BLOCK_RAYS < whole ? block + BLOCK_RAYS : whole;
-    for (size_t pass = 0; pass < passes; pass++)
-      for (size_t at = block; at < end; at += N_LANES) {
-        COLUMNS from = columns_at(rays, 1, at), to = columns_at(rays, 0, at);
-        intersect_vector(stage, vs_load(&from, 0), vs_load(&to, 0), m_first(N_LANES), N_LANES,
-                         t + at, object + at);
+  REAL part[6][N_LANES], near[BLOCK_RAYS];
+  LANE_ID id[BLOCK_RAYS];
+  for (size_t block = 0, n; block < rays->n; block += n) {
+    COLUMNS c[2];
+    size_t left = rays->n - block;
+    n = left < BLOCK_RAYS ? left / N_LANES * N_LANES : BLOCK_RAYS;
+    if (n > 0) {
+      for (int k = 0; k < 2; k++) {
+        const double *const *from = k ? rays->direction : rays->origin;
+        /* Only read. */
+        c[k] = (COLUMNS){(REAL *)(uintptr_t)(from[0] + block), (REAL *)(uintptr_t)(from[1] + block),
+                         (REAL *)(uintptr_t)(from[2] + block)};
       }
-  }
-  if (whole == n) return;
-  /* What is left does not fill a vector. */
-  REAL part[6][N_LANES] = {{0}};
-  for (size_t k = 0; k < n - whole; k++)
-    for (int i = 0; i < 3; i++) {
-      part[i][k] = (REAL)rays->origin[i][whole + k];
-      part[3 + i][k] = (REAL)rays->direction[i][whole + k];
+    } else { /* what does not fill a vector */
+      n = left;
+      memset(part, 0, sizeof part);
+      for (int i = 0; i < 3; i++) {
+        memcpy(part[i], rays->origin[i] + block, n * sizeof **part);
+        memcpy(part[3 + i], rays->direction[i] + block, n * sizeof **part);
+      }
+      for (int k = 0; k < 2; k++) c[k] = (COLUMNS){part[3 * k], part[3 * k + 1], part[3 * k + 2]};
     }
-  COLUMNS from = {part[0], part[1], part[2]}, to = {part[3], part[4], part[5]};
-  intersect_vector(stage, vs_load(&from, 0), vs_load(&to, 0), m_first(n - whole), n - whole,
-                   t + whole, object + whole);
+    for (size_t pass = 0; pass < passes; pass++)
+      if (stage->bvh)
+        intersect_with_tree(stage, c, c + 1, n, near, id);
+      else
+        nearest_in_columns(stage, stage->all, c, c + 1, n, 0, near, id);
+    for (size_t at = 0; at < n; at += N_LANES) {
+      LANES found = l_load(near + at);
+      l_store(near + at, l_blend(l_is_number(found), found, l_all((REAL)INFINITY)));
+    }
+    memcpy(t + block, near, n * sizeof *near);
+    memcpy(object + block, id, n * sizeof *id);
+  }
 }
 
 /* As many chains as it takes to hide how long a product and a sum take; more would not fit the

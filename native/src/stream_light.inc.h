@@ -51,8 +51,7 @@ INLINE MASK shadowed(STORE *store, size_t j, const ROW *row, VECS point, VECS to
   if (!sent) return wanted;
   count_shadow_rays(store, row, sent);
   VECS origin = vs_along(point, epsilon, to_light);
-  const uint64_t *may = blockers_of(stage, row->sight, j);
-  return blocked_of(stage, may, j, origin, to_light, reach, limit, wanted);
+  return blocked_in_sight(stage, row->sight, j, origin, to_light, reach, limit, wanted);
 }
 
 /* add_lights */

@@ -10,6 +10,11 @@ enum { STREAM_LEVELS = 64 };
 /* With more lamps than this, no object is left out on the way to any. */
 enum { CULLED_LAMPS = 32 };
 
+/* With a tree, as many lists as there are lamps that objects are left out for. */
+static size_t n_culled_lamps(const STAGE *stage) {
+  return stage->n_lamps > 0 && stage->n_lamps <= CULLED_LAMPS ? stage->n_lamps : 1;
+}
+
 typedef struct FN(bundle) {
   size_t n;
   /* Directions of any length; origins at the hit that the rays leave. */
@@ -108,6 +113,18 @@ static void take_first(STORE *store) {
   for (int k = 0; k < CT_CONTRIBUTIONS; k++) first->split[k] = take_columns(store, room);
 }
 
+/* For what may be hit, and for what may stand before each lamp. */
+static LIST *take_lists(STORE *store) {
+  size_t n = 1 + n_culled_lamps(store->stage);
+  LIST *lists = take(store, n, sizeof *lists);
+  for (size_t k = 0; k < n; k++) {
+    lists[k].shape = take(store, LISTED, sizeof *lists[k].shape);
+    lists[k].object = take(store, LISTED, sizeof *lists[k].object);
+    lists[k].from = take(store, LISTED, sizeof *lists[k].from);
+  }
+  return lists;
+}
+
 static void FN(leave)(void *opaque) {
   STORE *store = opaque;
   if (!store) return;
@@ -131,6 +148,8 @@ static void *FN(enter)(const void *opaque, const ct_outputs *out) {
   size_t branch = (columns + 2) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t first = (CT_CONTRIBUTIONS * 3 + 6) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t sight = (1 + CULLED_LAMPS) * stage->n_words * sizeof(uint64_t) + STORE_LINE;
+  size_t list = sizeof(LIST) + LISTED * (sizeof(SHAPE) + sizeof(uint32_t) + sizeof(REAL)) + 4 * STORE_LINE;
+  if (stage->bvh) sight += (1 + n_culled_lamps(stage)) * list;
   store->size = (2 * n_levels + 1) * branch + (n_levels + 1) * sight + first + STORE_LINE;
   store->block = malloc(store->size);
   if (!store->block) {

@@ -13,6 +13,7 @@ typedef struct FN(sight) {
   uint64_t *may;  /* bits of objects: that may be hit; then, for each lamp, be in the way */
   uint64_t known; /* lamps that have been asked for */
   BOX points;     /* around the hits */
+  LIST *list;     /* with a tree, in place of `may` */
 } FN(sight);
 #define SIGHT FN(sight)
 
@@ -49,15 +50,21 @@ static int is_stopped(const STORE *store) {
   return atomic_load_explicit(&store->pixel->shared->stop, memory_order_relaxed) != CT_OK;
 }
 
-/* Objects that may stand between the bundle's hits and lamp j. */
-INLINE const uint64_t *blockers_of(const STAGE *stage, SIGHT *sight, size_t j) {
-  size_t k = stage->n_lamps <= CULLED_LAMPS ? j : 0;
-  uint64_t *may = sight->may + (k + 1) * stage->n_words;
-  if (!(sight->known >> k & 1)) {
-    sight->known |= UINT64_C(1) << k;
-    find_blockers(stage, &sight->points, stage->n_lamps <= CULLED_LAMPS, j, may);
+/* blocked_of, among the objects that may stand between the bundle's hits and lamp j. */
+INLINE MASK blocked_in_sight(const STAGE *stage, SIGHT *sight, size_t j, VECS origin,
+                             VECS direction, LANES reach, LANES limit, MASK wanted) {
+  int culls = stage->n_lamps <= CULLED_LAMPS;
+  size_t k = culls ? j : 0;
+  int is_known = sight->known >> k & 1;
+  sight->known |= UINT64_C(1) << k;
+  if (stage->bvh) {
+    LIST *list = sight->list + k + 1;
+    if (!is_known) list_blockers(stage, &sight->points, culls, j, list);
+    return blocked_in_tree(stage, list, j, origin, direction, reach, limit, wanted);
   }
-  return may;
+  uint64_t *may = sight->may + (k + 1) * stage->n_words;
+  if (!is_known) find_blockers(stage, &sight->points, culls, j, may);
+  return blocked_of(stage, may, j, origin, direction, reach, limit, wanted);
 }
 
 #include "stream_light.inc.h"
@@ -157,7 +164,12 @@ INLINE void scatter_of(STORE *store, const SURFACE *s, const ROW *row, VECS poin
 INLINE void shade_of(STORE *store, size_t i, const ROW *row, VECS point, VECS direction, MASK hit,
                      int is_first, int prunes, BRANCH *branches, VECS *color) {
   const STAGE *stage = store->stage;
-  const SHAPE *shape = stage->shape + i;
+  SHAPE own;
+  const SHAPE *shape = &own;
+  if (stage->bvh)
+    read_shape(stage->world, i, &own);
+  else
+    shape = stage->shape + i;
   const SURFACE *surface = stage->surface + i;
   VECS zero = vs_all(v_zero()), base = vs_all(surface->base), normal;
   if (shape->is_plane) {
@@ -265,16 +277,28 @@ INLINE void look_ahead(const STORE *store, const BUNDLE *bundle, SIGHT *sight, i
     box_take(&origins, live, r.origin);
     box_take(&directions, live, r.direction);
   }
-  find_targets(stage, &origins, &directions, sight->may);
+  if (stage->bvh)
+    list_targets(stage, &origins, &directions, sight->list);
+  else
+    find_targets(stage, &origins, &directions, sight->may);
+  if (!stage->bvh)
+    nearest_in_columns(stage, sight->may, &bundle->origin, &bundle->direction, bundle->n, is_first,
+                       t, object);
   for (size_t at = 0; at < bundle->n && !is_stopped(store); at += N_LANES) {
     MASK live = m_first(bundle->n - at);
     VECS origin = vs_load(&bundle->origin, at), direction = vs_load(&bundle->direction, at);
-    HITS hits = nearest_of(stage, sight->may, origin, direction, is_first, live);
-    VECS point = vs_along(origin, hits.t, direction);
-    box_take(&points, m_and(live, l_is_number(hits.t)), point);
+    LANES distance;
+    if (stage->bvh) {
+      HITS hits = nearest_in_tree(stage, sight->list, origin, direction, is_first, live);
+      distance = hits.t;
+      l_store(t + at, hits.t);
+      i_store(object + at, hits.object);
+    } else {
+      distance = l_load(t + at);
+    }
+    VECS point = vs_along(origin, distance, direction);
+    box_take(&points, m_and(live, l_is_number(distance)), point);
     vs_store(&bundle->origin, at, point);
-    l_store(t + at, hits.t);
-    i_store(object + at, hits.object);
   }
   sight->points = points;
 }
@@ -297,6 +321,7 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
   LANE_ID object[BUNDLE_RAYS + N_LANES];
   SIGHT sight;
   sight.may = take(store, (1 + CULLED_LAMPS) * stage->n_words, sizeof *sight.may);
+  sight.list = stage->bvh ? take_lists(store) : NULL;
   sight.known = 0;
   look_ahead(store, bundle, &sight, is_first, t, object);
   for (size_t at = 0; at < bundle->n; at += N_LANES) {

@@ -25,7 +25,8 @@ static VEC secondary(const WORLD *world, ct_pixel *pixel, const RAY *ray, const 
   /* Of length 1 but for rounding, which would grow from bounce to bounce inside glass. */
   direction = NUDGED(pixel, v_over(direction, v_length(direction)));
   int64_t depth = passes ? ray->depth : ray->depth + 1;
-  RAY next = {offset_origin(world, ray, hit, direction, 0), direction, depth, 0, medium, slack};
+  VEC origin = NUDGED_ORIGIN(pixel, offset_origin(world, ray, hit, direction, 0));
+  RAY next = {origin, direction, depth, 0, medium, slack};
   /* A subtree has a hash of its own, so that subtrees may be traced in any order. */
   uint64_t subtree = 0;
   VEC color = FN(trace)(world, pixel, &next, NULL, &subtree);
@@ -97,7 +98,7 @@ static VEC FN(trace)(const WORLD *world, ct_pixel *pixel, const RAY *ray, SPLIT 
                      uint64_t *tree) {
   SPLIT own = {v_zero(), v_zero(), v_zero(), v_zero(), v_zero(), v_zero()};
   if (ct_pixel_must_stop(pixel, ray->depth)) return v_zero();
-  HIT hit = FN(nearest)(world, ray);
+  HIT hit = FN(nearest)(world, pixel, ray);
   NUDGE_HIT(world, pixel, ray, &hit);
   *tree = ct_tree_mix(*tree, (uint64_t)(hit.object + 2));
   ON_RAY(world, pixel, ray, &hit);

@@ -104,7 +104,7 @@ class MitsubaStock(_Mitsuba):
     """Float32 through Mitsuba's shapes and ray queries; wholly stock for the first delivery."""
 
     name = "mitsuba"
-    capabilities = Capabilities(10_000, fidelity.DEEPEST, 2**25, fidelity.SHARED)
+    capabilities = Capabilities(10_000, fidelity.DEEPEST, 2**25, 64, stages=fidelity.SHARED)
     magnitudes = fidelity.FLOAT32_RANGE
     precision = "float32"
 
@@ -136,7 +136,9 @@ class MitsubaExact(_Mitsuba):
     """Float64 throughout; scans all objects for each ray, so their number is limited."""
 
     name = "mitsuba-f64"
-    capabilities = Capabilities(4096, fidelity.DEEPEST, 2**27, fidelity.SHARED)
+    capabilities = Capabilities(
+        fidelity.MOST_OBJECTS_EXACT, fidelity.DEEPEST, 2**27, 48, stages=fidelity.SHARED
+    )
     magnitudes = fidelity.FLOAT64_RANGE
     precision = "float64"
 

@@ -21,6 +21,7 @@ from crosstrace.translators.errors import (
     UnsupportedSceneError,
 )
 from crosstrace.translators.ledger import Ledger
+from crosstrace.translators.leftovers import sweep
 from crosstrace.translators.povray import declarations, output, picture, process
 from crosstrace.translators.povray.plan import MAX_DEPTH
 from crosstrace.translators.readings import only_default
@@ -38,13 +39,17 @@ from crosstrace.translators.scene import Scene
 #: POV-Ray's own limit (`configbackend.h`).
 _MAX_THREADS = 512
 
+_PREFIX = "crosstrace-povray-"
+
 
 class PovRay:
     """POV-Ray as a child process; satisfies the protocol `Renderer`."""
 
     name = "povray"
     #: No max_depth: how deep the rays of a scene get, and what they carry, shows in rendering it.
-    capabilities = Capabilities(max_objects=1_000_000, stages={"parsing": "crosstrace"})
+    capabilities = Capabilities(
+        max_objects=1_000_000, bytes_per_pixel=64, stages={"parsing": "crosstrace"}
+    )
 
     def probe(self) -> Probe:
         """Find the program and ask for its version."""
@@ -137,7 +142,8 @@ class PovRay:
 def _private_directory() -> Iterator[Path]:
     made = tempfile.TemporaryDirectory
     try:
-        with made(prefix="crosstrace-povray-", ignore_cleanup_errors=True) as name:
+        sweep(Path(tempfile.gettempdir()), _PREFIX)
+        with made(prefix=_PREFIX, ignore_cleanup_errors=True) as name:
             yield Path(name)
     except OSError as error:
         raise RendererError(f"povray's files cannot be kept: {error}") from error
