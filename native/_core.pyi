@@ -123,9 +123,9 @@ def render(
     `settings` are readings and precision, rounding (nearest, up, down, zero), instructions (the
     most to use: generic, fma, avx2, avx512, native), search (auto, scan, tree: how objects are
     found, the same bits), threads, effects, tolerance, ray_budget, row_begin, row_end, as texts.
-    `outputs` maps names to C-contiguous arrays over the rendered rows: image (3 float64 a pixel), object
-    (int32), t (float64), normal (3 float64), tree (uint64), rays (uint32), contributions (6 × 3
-    float64), image_low (3 float64: what rounding `image` to double left out).
+    `outputs` maps names to C-contiguous arrays over the rendered rows: image (3 float64 a pixel),
+    object (int32), t (float64), normal (3 float64), tree (uint64), rays (uint32), contributions
+    (6 × 3 float64), image_low (3 float64: what rounding `image` to double left out).
     Raises ValueError for a wrong setting or array, RuntimeError
     where the tracer gave up, and whatever `progress` raised. `tree` is what `tree()` returned of
     the same arrays: many spheres are then not sorted again.
