@@ -82,6 +82,34 @@ def explain(
     clearance. Their meaning is that of `ct_ray_record`. Raises as `render`.
     """
 
+def intersect(
+    scene: tuple[Any, ...],
+    settings: list[tuple[str, str]],
+    n: int,
+    origins: Any,
+    directions: Any,
+    passes: int,
+    outputs: dict[str, Any],
+    /,
+) -> None:
+    """Find the nearest hit of n rays, by the code that renders, in this thread.
+
+    `origins` and `directions` are (3, n) float64, directions of length 1; `outputs` are t (n,)
+    float64, infinite where nothing is hit, and object (n,) int64, then -1. Each block of a few
+    hundred rays is traced `passes` times. Raises as `render`.
+    """
+
+def peak_flops(instructions: str, seconds: float, /) -> float:
+    """Return the most float64 products and sums a second, not fused, of one core; 0 without any."""
+
+def call_each(
+    function: int, arguments: tuple[int, int, int, int], which: int, stride: int, count: int, /
+) -> None:
+    """Call a C function `count` times with four addresses, of which one grows by `stride`.
+
+    For measuring other libraries, where a loop in Python would cost more than the calls.
+    """
+
 def render(
     scene: tuple[Any, ...],
     settings: list[tuple[str, str]],

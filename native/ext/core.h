@@ -59,6 +59,9 @@ int call_raise(ct_status status);
 PyObject *core_certify(PyObject *module, PyObject *arguments);
 PyObject *core_perturb(PyObject *module, PyObject *arguments);
 PyObject *core_explain(PyObject *module, PyObject *arguments);
+PyObject *core_call_each(PyObject *module, PyObject *arguments);
+PyObject *core_intersect(PyObject *module, PyObject *arguments);
+PyObject *core_peak_flops(PyObject *module, PyObject *arguments);
 PyObject *core_render(PyObject *module, PyObject *arguments);
 PyObject *core_tree(PyObject *module, PyObject *arguments);
 

@@ -214,6 +214,27 @@ CT_API ct_status ct_render_cells(const ct_scene_view *view, const ct_options *op
                                  const ct_outputs *outputs, ct_progress progress, void *user,
                                  ct_stats *stats);
 
+/* ---- Measuring ---- */
+
+/* Rays in columns: x, y and z of n origins and of n directions of length 1. */
+typedef struct ct_rays {
+  size_t n;
+  const double *origin[3], *direction[3];
+} ct_rays;
+
+/* The nearest hit of each ray and nothing else, by the code that ct_render meets objects with, in
+ * the calling thread: the distance (infinity: none) and the object (-1). Blocks of a few hundred
+ * rays are traced `passes` times each: with more than one, memory counts for less. Two options are
+ * heeded besides those of ct_render's hits: instructions, and CT_ERR_OPTION for a precision other
+ * than f64. */
+CT_API ct_status ct_intersect(const ct_scene_view *view, const ct_options *options,
+                              const ct_rays *rays, size_t passes, double *t_world, int64_t *object);
+
+/* The most products and sums of doubles a second that the vectors of the options' instruction set
+ * have done here, each a rounding of its own (no fused ones), in thousandths of `seconds` of
+ * processor time; 0 where there are no vectors. */
+CT_API double ct_peak_flops(const ct_options *options, double seconds);
+
 /* ---- Certification ---- */
 
 typedef enum ct_certify_class {

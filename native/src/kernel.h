@@ -41,6 +41,9 @@ typedef struct ct_kernel {
   ct_status (*open)(const ct_frame *frame, void **world);
   void (*close)(void *world);
   void (*pixel)(const void *world, int64_t row, int64_t column, ct_pixel *pixel);
+  /* Of a ray that is not a primary one; infinity and -1 where it meets nothing. */
+  void (*nearest)(const void *world, const double origin[3], const double direction[3], double *t,
+                  int64_t *object);
 } ct_kernel;
 
 /* The kernel of a precision: index from 0, narrowest first; NULL past the last that exists here.

@@ -106,5 +106,14 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
   }
 }
 
-const ct_kernel FN(ct_kernel) = {CT_RUNG,   CT_STACK_PER_LEVEL, CT_TAKES_ROUNDING,
-                                 FN(open),  FN(close),          FN(pixel)};
+static void FN(nearest_to)(const void *opaque, const double origin[3], const double direction[3],
+                           double *t, int64_t *object) {
+  RAY ray = {.origin = v_load(origin), .direction = v_load(direction)};
+  ct_pixel pixel = {0};
+  HIT hit = FN(nearest)(opaque, &pixel, &ray);
+  *object = hit.object;
+  *t = hit.object >= 0 ? to_double(hit.t) : (double)INFINITY;
+}
+
+const ct_kernel FN(ct_kernel) = {CT_RUNG,   CT_STACK_PER_LEVEL, CT_TAKES_ROUNDING, FN(open),
+                                 FN(close), FN(pixel),          FN(nearest_to)};

@@ -20,6 +20,10 @@ typedef struct ct_stream {
   void *(*enter)(const void *world, const ct_outputs *out);
   void (*leave)(void *store);
   void (*tile)(const void *world, void *store, const ct_tile *tile, ct_pixel *pixel);
+  /* Double only (NULL elsewhere): ct_intersect, and the work of ct_peak_flops. */
+  void (*intersect)(const void *world, const ct_rays *rays, size_t passes, double *t,
+                    int64_t *object);
+  double (*multiply_and_add)(size_t rounds, double *result);
 } ct_stream;
 
 /* The widest stream that there is for this precision, these options and this processor; NULL where

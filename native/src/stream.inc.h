@@ -109,5 +109,13 @@ static void FN(tile)(const void *opaque, void *opaque_store, const ct_tile *tile
   }
 }
 
-const ct_stream FN(ct_stream) = {FN(open_stage), FN(close_stage), FN(enter), FN(leave),
-                                 FN(tile)};
+#if REAL_DIGITS == 53
+#include "stream_intersect.inc.h"
+#define OF_DOUBLE(function) FN(function)
+#else
+#define OF_DOUBLE(function) NULL
+#endif
+
+const ct_stream FN(ct_stream) = {FN(open_stage), FN(close_stage),      FN(enter),
+                                 FN(leave),      FN(tile),             OF_DOUBLE(intersect),
+                                 OF_DOUBLE(multiply_and_add)};

@@ -78,21 +78,33 @@ typedef struct FN(hits) {
 } FN(hits);
 #define HITS FN(hits)
 
-/* Among the objects whose bits are set in `may`. */
-INLINE HITS nearest_of(const STAGE *stage, const uint64_t *may, VECS origin,
-                              VECS direction, int primary, MASK wanted) {
-  HITS hits = {l_all((REAL)NAN), i_all(-1)};
+/* What n rays in columns, of which whole vectors can be read, hit among the objects whose bits are
+ * set in `may`: object by object, as its numbers then stay in registers, and the branches taken for
+ * it look alike. The distance is no number where nothing is hit. */
+INLINE void nearest_in_columns(const STAGE *stage, const uint64_t *may, const COLUMNS *origin,
+                               const COLUMNS *direction, size_t n, int primary, REAL *t,
+                               LANE_ID *object) {
   LANES zero = l_all(0);
+  for (size_t at = 0; at < n; at += N_LANES) {
+    l_store(t + at, l_all((REAL)NAN));
+    i_store(object + at, i_all(-1));
+  }
   for (size_t word = 0; word < stage->n_words; word++)
     for (uint64_t left = may[word]; left; left &= left - 1) {
       size_t i = 64 * word + (unsigned)__builtin_ctzll(left);
-      ROOTS roots = roots_of(stage, stage->shape + i, origin, direction, primary, zero, wanted);
-      /* A tie stays with the first in the file. */
-      MASK nearer = m_and(roots.valid, l_not_at_least(roots.t, hits.t));
-      hits.t = l_blend(nearer, roots.t, hits.t);
-      hits.object = i_blend(nearer, i_all((LANE_ID)i), hits.object);
+      const SHAPE shape = stage->shape[i];
+      IDS id = i_all((LANE_ID)i);
+      for (size_t at = 0; at < n; at += N_LANES) {
+        ROOTS roots = roots_of(stage, &shape, vs_load(origin, at), vs_load(direction, at), primary,
+                               zero, m_first(n - at));
+        LANES best = l_load(t + at);
+        /* A tie stays with the first in the file. */
+        MASK nearer = m_and(roots.valid, l_not_at_least(roots.t, best));
+        if (!m_any(nearer)) continue;
+        l_store(t + at, l_blend(nearer, roots.t, best));
+        i_store(object + at, i_blend(nearer, id, i_load(object + at)));
+      }
     }
-  return hits;
 }
 
 /* blocks_own_light */

@@ -281,17 +281,24 @@ INLINE void look_ahead(const STORE *store, const BUNDLE *bundle, SIGHT *sight, i
     list_targets(stage, &origins, &directions, sight->list);
   else
     find_targets(stage, &origins, &directions, sight->may);
+  if (!stage->bvh)
+    nearest_in_columns(stage, sight->may, &bundle->origin, &bundle->direction, bundle->n, is_first,
+                       t, object);
   for (size_t at = 0; at < bundle->n && !is_stopped(store); at += N_LANES) {
     MASK live = m_first(bundle->n - at);
     VECS origin = vs_load(&bundle->origin, at), direction = vs_load(&bundle->direction, at);
-    HITS hits = stage->bvh
-                    ? nearest_in_tree(stage, sight->list, origin, direction, is_first, live)
-                    : nearest_of(stage, sight->may, origin, direction, is_first, live);
-    VECS point = vs_along(origin, hits.t, direction);
-    box_take(&points, m_and(live, l_is_number(hits.t)), point);
+    LANES distance;
+    if (stage->bvh) {
+      HITS hits = nearest_in_tree(stage, sight->list, origin, direction, is_first, live);
+      distance = hits.t;
+      l_store(t + at, hits.t);
+      i_store(object + at, hits.object);
+    } else {
+      distance = l_load(t + at);
+    }
+    VECS point = vs_along(origin, distance, direction);
+    box_take(&points, m_and(live, l_is_number(distance)), point);
     vs_store(&bundle->origin, at, point);
-    l_store(t + at, hits.t);
-    i_store(object + at, hits.object);
   }
   sight->points = points;
 }

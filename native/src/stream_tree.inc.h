@@ -110,7 +110,7 @@ INLINE MASK undecided(const HITS *hits, REAL from, MASK wanted) {
   return m_but(wanted, l_less(hits->t * l_all(AHEAD), l_all(from)));
 }
 
-/* As nearest_of. */
+/* As nearest_in_columns. */
 INLINE HITS nearest_in_tree(const STAGE *stage, const LIST *list, VECS origin, VECS direction,
                             int primary, MASK wanted) {
   HITS hits = {l_all((REAL)NAN), i_all(-1)};
