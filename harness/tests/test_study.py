@@ -167,7 +167,7 @@ def test_json_has_the_stable_keys_and_the_files_say_the_same(tmp_path: Path) -> 
     assert report["study"] == {**made, "svg": svg}
     assert svg.startswith("<svg ")
     # Without a terminal progress is lines.
-    assert re.search(r"^\[\d+/\d+\] tiny ", done.stderr, re.M) and "\x1b" not in done.stderr
+    assert re.search(r"^\[\d+/\d+\] timing tiny ", done.stderr, re.M) and "\x1b" not in done.stderr
 
 
 def test_tables_fit_a_terminal(tmp_path: Path) -> None:
