@@ -40,8 +40,7 @@ def plant(
         made = proof.prove(sources, how, events=observe)
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
-        content = record.dumps(made)
-        images.write_atomically(output / NAME, partial(Path.write_text, data=content))
+        images.write_atomically(output / NAME, partial(_save, record.dumps(made)))
     if as_json:
         console.json_result(made)
     else:
@@ -49,6 +48,10 @@ def plant(
         if output is not None and not quiet:
             console.result(f"\ntable: {output / NAME}")
     return proof.exit_status(made)
+
+
+def _save(content: str, path: Path) -> None:
+    path.write_text(content, encoding="utf-8")
 
 
 def _print(made: Mapping[str, Any], quiet: bool) -> None:
