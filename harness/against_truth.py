@@ -18,8 +18,11 @@ from crosstrace.translators.ledger import Arithmetic, Ledger
 from crosstrace.translators.native.truth import certify
 from crosstrace.translators.scene import Scene
 
-#: Arithmetic of an image → unit of its rounding; directions and hits carry a few of these.
+#: Arithmetic of an image → unit of its rounding.
 UNITS = {"f32": 2.0**-24, "f64": 2.0**-53}
+
+#: Units that directions and hits of anybody's renderer may carry. Twice what native needs: a camera
+#: of matrices alone, as Mitsuba's own, errs by up to 3.5 (translators/mitsuba/fidelity.py).
 _KAPPA = 4.0
 
 
@@ -83,7 +86,7 @@ def compare_with_truth(
     described = judging.describe(scene, {name: values}, known, {name: classified}, readings)
     found, n_regions = described[name]
     lane = {
-        "name": name, "classes": classified.counts, "n_regions": n_regions,
+        "name": name, "classes": classified.counts, "n_regions": n_regions, "declared": [],
         "regions": [{"kind": one.kind, "where": one.where} for one in found],
     }  # fmt: skip
     record = {
@@ -100,7 +103,10 @@ def told(region: regions.Region | Mapping[str, Any]) -> str:
     pixels = "1 pixel" if it.pixels == 1 else f"{it.pixels:,} pixels"
     place = f"rows {top}-{bottom - 1}, columns {left}-{right - 1}"
     far = "not finite" if it.difference is None else f"off by {it.difference:.3g}"
-    return f"{pixels} in {place}: {it.kind} on {it.where}; worst ({it.row}, {it.column}), {far}"
+    rays = f": {it.tree}" if it.tree else ""
+    return (
+        f"{pixels} in {place}: {it.kind} on {it.where}; worst ({it.row}, {it.column}), {far}{rays}"
+    )
 
 
 def _as_region(entry: Mapping[str, Any]) -> regions.Region:

@@ -9,6 +9,7 @@ import os
 import threading
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import as_completed
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from crosstrace.translators.renderer import Probe, Progress, Rendering, RenderOp
 from crosstrace.translators.scene import Scene
 
 if TYPE_CHECKING:
+    from crosstrace.harness.display import DisplayRule
     from crosstrace.translators.native.explain import PixelTree
     from crosstrace.translators.native.truth import Enclosures
 
@@ -56,6 +58,33 @@ def render(
     return made
 
 
+def render_to_file(
+    scene: Scene,
+    options: RenderOptions,
+    path: Path,
+    metadata: Mapping[str, str],
+    rule: DisplayRule,
+    *,
+    progress: Progress | None = None,
+) -> tuple[Rendering, float]:
+    """Render by native in bands into an image file, all or nothing; no image is returned.
+
+    Otherwise as `render`.
+    """
+    from crosstrace.harness.images import write_atomically
+
+    limit_s = options.timeout_s
+    task = Task(tasks.render_to_file, "native", timeout_s=limit_s, label="native",
+                on_progress=progress)  # fmt: skip
+    made: list[tuple[Rendering, float]] = []
+
+    def fill(temporary: Path) -> None:
+        made.append(call(task, scene, options, str(temporary), dict(metadata), rule))
+
+    write_atomically(path, fill)
+    return made[0]
+
+
 def probe(lane: str) -> Probe:
     """Ask a lane whether it works here; one that crashes while it is asked does not."""
     label = f"{lane}: looking for it"
@@ -84,6 +113,21 @@ def explain(
     task = Task(tasks.explain, "native", timeout_s=timeout_s, label="native: explaining")
     known: tuple[PixelTree, Enclosures | None] = call(task, scene, row, column, dict(readings))
     return known
+
+
+def classes_at(
+    scene: Scene,
+    row: int,
+    column: int,
+    known: Enclosures,
+    values: Mapping[str, Pixel],
+    readings: Mapping[str, str],
+    timeout_s: float | None,
+) -> dict[str, str]:
+    """Class each lane's value of the one pixel that `known` encloses."""
+    task = Task(tasks.classes_at, "native", timeout_s=timeout_s, label="native: classing")
+    found: dict[str, str] = call(task, scene, row, column, known, dict(values), dict(readings))
+    return found
 
 
 def pixels(

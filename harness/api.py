@@ -45,6 +45,7 @@ def render_full(
     precision: str = "f64",
     effects: Iterable[str] | None = None,
     layers: bool = False,
+    tolerance: float = 0.0,
     timeout_s: float | None = alone.TIMEOUT_S,
     progress: Callable[[float], None] | None = None,
 ) -> Rendering:
@@ -53,12 +54,15 @@ def render_full(
     `lane` is one of `LANES`, or ``module:factory`` for a renderer from outside this package.
     `threads` 0 uses all cores; `readings` name another interpretation of the specification,
     `effects` None means what the scene calls for; `layers` asks for the native side outputs;
+    `tolerance` lets native leave out rays that darken no channel by more than that;
     `progress` is called in another thread with the fraction done. Raises UsageError for a wrong
     name, RendererMissingError, UnsupportedSceneError, or RendererError where the renderer fails,
     dies, or takes longer than `timeout_s`.
     """
     wanted = None if effects is None else frozenset(effects)
-    options = RenderOptions(threads, dict(readings or {}), precision, wanted, timeout_s, layers)
+    options = RenderOptions(
+        threads, dict(readings or {}), precision, wanted, timeout_s, layers, tolerance
+    )
     return alone.render(lane, scene, options, progress=progress)[0]
 
 

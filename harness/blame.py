@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.harness.classes import Class, Classified
+from crosstrace.translators.channels import largest
 from crosstrace.translators.renderer import STAGES
 
 #: Of the pixels of an image, beside the fixed number, may be suspect or undecidable.
@@ -102,7 +103,8 @@ def _agreed_against(testimonies: Sequence[Testimony], reference: str) -> int:
             continue
         both = a.classified.pixels(Class.WRONG) & b.classified.pixels(Class.WRONG)
         room = 4 * (a.classified.tolerance + b.classified.tolerance)
-        both &= np.abs(a.image - b.image).max(axis=-1) <= room
+        if both.any():
+            both &= largest(np.abs(a.image - b.image)) <= room
         agreed = both if agreed is None else agreed | both
     return 0 if agreed is None else int(np.count_nonzero(agreed))
 

@@ -27,10 +27,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crosstrace.translators.channels import every, largest
 from crosstrace.translators.ledger import Arithmetic, Emulation, Ledger
 from crosstrace.translators.native.departures import as_often_as_samples
 from crosstrace.translators.native.truth import Enclosures
@@ -57,9 +59,9 @@ NAMES = tuple(kind.name.lower() for kind in Class)
 
 @dataclass(frozen=True)
 class Classified:
-    """The classes of an image, (v_res, h_res), and what they rest on.
+    """The classes of an image, (v_res, h_res), or of n of its pixels, and what they rest on.
 
-    `tolerance` is the greatest difference on linear float that counts as none, (v_res, h_res);
+    `tolerance` is the greatest difference on linear float that counts as none, shaped alike;
     `tolerance_at_one` the same of a pixel of value 1 or less.
     """
 
@@ -82,8 +84,8 @@ def tolerance(
     image: NDArray[np.float64], arithmetic: Arithmetic, half_step: float
 ) -> NDArray[np.float64]:
     """Return what counts as equal, pixel by pixel: quantisation, and roundings of the colours."""
-    largest = np.abs(image).max(axis=-1)
-    return np.asarray(half_step + COLOR_UNITS * arithmetic.color_unit * np.maximum(1.0, largest))
+    size = np.maximum(1.0, largest(np.abs(image)))
+    return np.asarray(half_step + COLOR_UNITS * arithmetic.color_unit * size)
 
 
 def classify(
@@ -95,23 +97,28 @@ def classify(
     half_step: float = 0.0,
     readings: Mapping[str, str] | None = None,
     threads: int = 0,
+    pixels: NDArray[np.integer[Any]] | None = None,
 ) -> Classified:
     """Class every pixel of a lane's linear image (v_res, h_res, 3).
 
     `truth` encloses the whole frame under `readings`. `half_step` is that of the lane's output.
+    With `pixels` (n,), row·h_res + column, image (n, 3), truth and classes are of these alone.
     """
-    finite = np.asarray(np.isfinite(image).all(axis=-1))
+    finite = every(np.isfinite(image))
     values = np.where(finite[..., None], image, 0.0)
     slack = tolerance(values, ledger.arithmetic, half_step)
-    classes = np.full(image.shape[:2], Class.WRONG, np.uint8)
+    classes = np.full(image.shape[:-1], Class.WRONG, np.uint8)
     fits = fits_enclosure(truth, values, slack) & finite
     classes[fits & ~truth.undecidable] = Class.EQUAL
     classes[fits & truth.undecidable] = Class.UNDECIDABLE
     differing = np.flatnonzero(~fits & finite)
     left = Unexplained(
-        differing, values.reshape(-1, 3)[differing], slack.ravel()[differing], ledger.arithmetic,
+        differing if pixels is None else pixels[differing],
+        values.reshape(-1, 3)[differing],
+        slack.ravel()[differing],
+        ledger.arithmetic,
         threads,
-    )  # fmt: skip
+    )
     flat = classes.reshape(-1)
     specified = Emulation(scene, readings or {})
     own = ledger.emulation or specified
@@ -141,5 +148,5 @@ def fits_enclosure(
 
     Without an enclosure nothing speaks against a value.
     """
-    enclosed = np.isfinite(known.lo).all(axis=-1)
+    enclosed = every(np.isfinite(known.lo))
     return np.asarray(~enclosed | known.fits_alternative(values, slack))

@@ -37,7 +37,7 @@ LEAST_UNLIKE_DECADE = -6
 
 def ramp(position: NDArray[np.floating[Any]]) -> NDArray[np.uint8]:
     """Colour positions 0…1 (clipped) as (…, 3) 8-bit sRGB; NaN becomes `NOT_A_NUMBER`."""
-    table = _table()
+    table = ramp_table()
     scaled = np.nan_to_num(np.clip(position, 0.0, 1.0), nan=0.0) * (len(table) - 1)
     colors: NDArray[np.uint8] = table[np.rint(scaled).astype(np.intp)]
     colors[np.isnan(position)] = NOT_A_NUMBER
@@ -103,7 +103,8 @@ def similarity_ticks() -> list[tuple[float, str]]:
     ]
 
 
-def _table(size: int = 256) -> NDArray[np.uint8]:
+def ramp_table(size: int = 256) -> NDArray[np.uint8]:
+    """Return the ramp as (size, 3) 8-bit sRGB, from the least to the greatest."""
     at = np.linspace(0, len(STOPS) - 1, size)
     stops = np.array(STOPS, np.float64)
     columns = [np.interp(at, np.arange(len(STOPS)), stops[:, c]) for c in range(3)]

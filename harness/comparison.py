@@ -6,6 +6,8 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from crosstrace.harness import metrics, ssim
+from crosstrace.harness.bands import Rows, side_by_side
 from crosstrace.harness.metrics import Metrics, checked_pair, measure
 from crosstrace.harness.ssim import Similarity, similarity
 from crosstrace.translators.errors import UsageError
@@ -38,10 +40,27 @@ def compare(a: Any, b: Any, scene: Scene | None = None) -> Comparison:
     Raises UsageError where the shapes differ from each other or from that of `scene`.
     """
     first, second = checked_pair(a, b)
-    if scene is not None and first.shape != scene.shape:
-        expected, found = (f"{shape[0]}x{shape[1]}" for shape in (scene.shape, first.shape))
-        raise UsageError(f"expected images of the scene's size {expected}, found {found}")
+    _check_size(first.shape, scene)
     return Comparison(measure(first, second), similarity(first, second))
+
+
+def compare_rows(first: Rows, second: Rows, scene: Scene | None = None) -> Comparison:
+    """As `compare`, of images that are read in bands: the same numbers, without the map."""
+    if first.shape != second.shape:
+        sizes = " and ".join(f"{image.shape[0]}x{image.shape[1]}" for image in (first, second))
+        raise UsageError(f"expected two images of one size, found {sizes} (rows x columns)")
+    _check_size(first.shape, scene)
+    numbers, alike = metrics.Tally(), ssim.Tally(first.shape)
+    for row, a, b in side_by_side(first, second):
+        numbers.add(row, a, b)
+        alike.add(a, b)
+    return Comparison(numbers.metrics(), alike.similarity())
+
+
+def _check_size(shape: tuple[int, ...], scene: Scene | None) -> None:
+    if scene is not None and shape != scene.shape:
+        expected, found = (f"{size[0]}x{size[1]}" for size in (scene.shape, shape))
+        raise UsageError(f"expected images of the scene's size {expected}, found {found}")
 
 
 def _finite(value: Any) -> Any:

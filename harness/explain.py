@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from crosstrace.harness import alone, record
@@ -70,7 +70,7 @@ class LaneValue:
     """A lane's value at the pixel; `status` and `message` as in a report, None: no image.
 
     `difference` and `alternative` are those of `Enclosure.difference`. `verdict` is the class of
-    the difference, None while nothing classifies it.
+    the value (`classes.py`), None where there is no truth to class it by.
     """
 
     name: str
@@ -119,7 +119,7 @@ class Explanation:
                 "tree": f"{tree.tree:016x}",
                 "n_rays": tree.n_rays,
                 "rays": [_ray(ray) for ray in tree.rays],
-                "enclosure": None if self.enclosure is None else _enclosure(self.enclosure),
+                "enclosure": None if self.enclosure is None else enclosure_record(self.enclosure),
                 "lanes": [_lane(lane) for lane in self.lanes],
             }
         )
@@ -152,7 +152,7 @@ def explain(
     others = [name for name in names if name != REFERENCE]
     total = 1 + len(others)
     tree, known = alone.explain(scene, row, col, readings, timeout_s)
-    enclosure = None if known is None else _one(known)
+    enclosure = None if known is None else enclosure_at(known, 0)
     if step is not None:
         step(1, total, "ray tree and enclosure")
 
@@ -166,7 +166,16 @@ def explain(
             values[name] = _value(enclosure, name, *outcome)
         if step is not None:
             step(done, total, f"{name} {values[name].status}")
-    return Explanation(scene, tree, enclosure, tuple(values[name] for name in names), readings)
+    found = tuple(values[name] for name in names)
+    if known is not None:
+        rendered = {
+            lane.name: (lane.value, lane.half_step or 0.0)
+            for lane in found
+            if lane.value is not None
+        }
+        classes = alone.classes_at(scene, row, col, known, rendered, readings, timeout_s)
+        found = tuple(replace(lane, verdict=classes.get(lane.name)) for lane in found)
+    return Explanation(scene, tree, enclosure, found, readings)
 
 
 def _checked(lanes: Iterable[str] | None) -> tuple[str, ...]:
@@ -192,18 +201,20 @@ def _outside(value: Vector, lo: Vector, hi: Vector) -> Vector:
     )
 
 
-def _one(known: Enclosures) -> Enclosure:
-    """Return the only pixel of some enclosures."""
-    count = int(known.n_alternatives[0]) if len(known.n_alternatives) else 0
-    alternatives = known.alternatives[0, :count] if count else ()
+def enclosure_at(known: Enclosures, i: int) -> Enclosure:
+    """Return pixel `i` of the enclosures of a list of pixels."""
+    alternatives = known.alternatives[:0, 0]
+    if known.undecidable[i]:
+        at = int(known.undecidable[:i].sum())
+        alternatives = known.alternatives[at, : int(known.n_alternatives[at])]
     return Enclosure(
-        _vector(known.lo[0]),
-        _vector(known.hi[0]),
-        PixelClass(int(known.pixel_class[0])),
-        Decision(int(known.decision[0])),
-        int(known.depth[0]),
-        int(known.object[0]),
-        ARITHMETIC[int(known.level[0])],
+        _vector(known.lo[i]),
+        _vector(known.hi[i]),
+        PixelClass(int(known.pixel_class[i])),
+        Decision(int(known.decision[i])),
+        int(known.depth[i]),
+        int(known.object[i]),
+        ARITHMETIC[int(known.level[i])],
         tuple((_vector(lo), _vector(hi)) for lo, hi in alternatives),
     )
 
@@ -218,7 +229,8 @@ def _ray(ray: Ray) -> dict[str, Any]:
     return asdict(ray) | names
 
 
-def _enclosure(known: Enclosure) -> dict[str, Any]:
+def enclosure_record(known: Enclosure) -> dict[str, Any]:
+    """Return what is known of a pixel, as `Explanation.record` documents it."""
     return {
         "lo": known.lo,
         "hi": known.hi,

@@ -8,7 +8,6 @@ belong together are told. A file that is no golden is never overwritten.
 
 from __future__ import annotations
 
-import json
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -80,7 +79,7 @@ class Reference:
             if arrays.is_file():
                 raise UsageError(f"{arrays}: expected {text.name} beside it, found none")
             return None
-        about = _loads(text)
+        about = record.loads(text, SCHEMA, "golden")
         try:
             if images.sha256(arrays) != about["arrays_sha256"]:
                 raise UsageError(f"{arrays}: expected the arrays that {text.name} names by hash")
@@ -179,18 +178,6 @@ def made(
         "history": history,
     }
     return Golden(about, fingerprint, classes)
-
-
-def _loads(path: Path) -> dict[str, Any]:
-    try:
-        read = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{path}: expected the JSON of a golden, found: {error}") from error
-    found = read.get("schema") if isinstance(read, dict) else type(read).__name__
-    if found != SCHEMA:
-        raise UsageError(f"{path}: expected a golden of schema {SCHEMA}, found {found!r}")
-    loaded: dict[str, Any] = read
-    return loaded
 
 
 def _unpacked(data: Any, key: str, shape: tuple[int, int]) -> NDArray[np.uint8]:

@@ -125,6 +125,11 @@ def write_atomically(path: str | os.PathLike[str], fill: Callable[[Path], None])
         temporary.unlink(missing_ok=True)
 
 
+def save_bytes(path: Path, content: bytes) -> None:
+    """Write bytes; for `write_atomically`."""
+    path.write_bytes(content)
+
+
 def sha256(path: Path) -> str:
     """Return the SHA-256 of a file's bytes."""
     with path.open("rb") as file:

@@ -8,18 +8,27 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness import blame, colormap, images, regions
+from crosstrace.harness import (
+    blame,
+    colormap,
+    declared,
+    images,
+    ray_path,
+    regions,
+    shown,
+)
 from crosstrace.harness.classes import Class, Classified, classify
 from crosstrace.harness.lanes import REFERENCE, loaded
 from crosstrace.harness.store import Place
 from crosstrace.translators.native import truth
+from crosstrace.translators.native.explain import explain
 from crosstrace.translators.readings import deviating
 from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene
@@ -28,7 +37,10 @@ Array = NDArray[np.float64]
 
 #: Rows of the image in which float128, a hundred times as slow as double, is held against the
 #: enclosures.
-CHECKED_ROWS = 2
+CHECKED_ROWS = 1
+
+#: Rays of a tree that are looked at for its outline.
+_MOST_RAYS = 1000
 
 
 @dataclass(frozen=True)
@@ -44,13 +56,15 @@ class Exhibit:
 class Judgement:
     """What is found about one scene; `classified` and `found` by lane.
 
-    `found` are a lane's regions of wrong and suspect pixels, and how many there are in all.
+    `found` are a lane's regions of wrong and suspect pixels, and how many there are in all,
+    `declared` what of their ray trees its ledger names without a reading that reproduces it.
     `violations` counts pixels in the checked rows whose float128 value leaves its enclosure.
     """
 
     known: truth.Enclosures
     classified: Mapping[str, Classified]
     found: Mapping[str, tuple[list[regions.Region], int]]
+    declared: Mapping[str, list[declared.Met]]
     verdict: blame.Verdict
     stages: Mapping[str, Mapping[str, str]]
     violations: int
@@ -90,10 +104,16 @@ def judge(
     )
     images_of = {lane: image for lane, (image, _) in lanes.items()}
     found = describe(scene, images_of, known, classified, readings, threads)
+    named = {
+        lane: declared.met(
+            scene, loaded(lane).ledger(scene), one.pixels(Class.WRONG, Class.SUSPECT), readings
+        )
+        for lane, one in classified.items()
+    }
     seconds = {"certify": certified - started, "classify": classed - certified,
                "describe": time.perf_counter() - classed}  # fmt: skip
     return Judgement(
-        known, classified, found, verdict, blame.table(testimonies), violations, seconds
+        known, classified, found, named, verdict, blame.table(testimonies), violations, seconds
     )
 
 
@@ -104,10 +124,20 @@ def judge_files(
     threads: int,
     places: Mapping[str, Place],
     version: str,
+    common: Place,
 ) -> dict[str, Any]:
-    """Judge the lanes' scratch files, draw their classes at `places`; return the record."""
+    """Judge the lanes' scratch files, draw their classes at `places`; return the record.
+
+    What is of no lane in particular goes to `common`: the object that each pixel shows, and the
+    pixels to show exactly.
+    """
     lanes = {e.lane: (np.load(e.pixels), e.half_step) for e in exhibits}
     found = judge(scene, lanes, readings, threads)
+    far = {lane: found.known.distance(image) for lane, (image, _) in lanes.items()}
+    started = time.perf_counter()
+    left = shown.files(scene, {lane: image for lane, (image, _) in lanes.items()}, found, far,
+                       readings, threads, common)  # fmt: skip
+    seconds = {**found.seconds, "pixels": time.perf_counter() - started}
     return {
         "message": "",
         "verdict": found.verdict.word,
@@ -120,13 +150,16 @@ def judge_files(
             "float128_outside": found.violations,
         },
         "stages": {stage: dict(row) for stage, row in found.stages.items()},
-        "seconds": dict(found.seconds),
+        "seconds": seconds,
+        "images": left,
         "lanes": {
             lane: {
                 "classes": classified.counts,
                 "tolerance": classified.tolerance_at_one,
                 "regions": [asdict(region) for region in found.found[lane][0]],
                 "n_regions": found.found[lane][1],
+                "excess": shown.excess(classified, far[lane]),
+                "declared": [asdict(met) for met in found.declared[lane]],
                 "image": _draw(classified, places[lane], version),
             }
             for lane, classified in found.classified.items()
@@ -173,6 +206,17 @@ def describe(
     traced = loaded(REFERENCE).render(scene, options)
     with np.errstate(invalid="ignore"):
         true = np.where(np.isfinite(known.lo), 0.5 * (known.lo + known.hi), traced.image)
-    return {
+    found = {
         lane: regions.find(bad[lane], image, true, traced.layers) for lane, image in lanes.items()
     }
+    return {
+        lane: ([_with_tree(scene, region, readings) for region in some], count)
+        for lane, (some, count) in found.items()
+    }
+
+
+def _with_tree(
+    scene: Scene, region: regions.Region, readings: Mapping[str, str] | None
+) -> regions.Region:
+    tree = explain(scene, region.row, region.column, readings, max_rays=_MOST_RAYS)
+    return replace(region, tree=ray_path.outline(tree))

@@ -1,4 +1,4 @@
-"""A check as JUnit XML: a suite a scene, a case a renderer, one for the reference, one in all.
+"""A check or a run as JUnit XML: a suite a scene, a case a renderer, one for the verdict.
 
 The dialect is the common part of what Jenkins, GitLab and GitHub's reporters read: a change that
 fails is a `failure`, a renderer without an image an `error`, and what is only noted stands in
@@ -8,16 +8,18 @@ fails is a `failure`, a renderer without an image an `error`, and what is only n
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from crosstrace.harness.outcome import outcome, sentence
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def document(checked: Mapping[str, Any]) -> bytes:
+def document(checked: Mapping[str, Any], name: str = "crosstrace check") -> bytes:
     """Return the XML of a check's record (`regression.check`)."""
-    root = Element("testsuites", name="crosstrace check")
+    root = Element("testsuites", name=name)
     for scene in checked["scenes"]:
         suite = SubElement(root, "testsuite", name=_text(scene["name"]),
                            timestamp=checked["created"].removesuffix("+00:00"))  # fmt: skip
@@ -36,6 +38,49 @@ def document(checked: Mapping[str, Any]) -> bytes:
     indent(root)
     written: bytes = tostring(root, encoding="utf-8", xml_declaration=True)
     return written + b"\n"
+
+
+def of_run(report: Mapping[str, Any]) -> bytes:
+    """Return the XML of a run's record (`record.report`): what departs from its index fails."""
+    scenes = [
+        {
+            "name": scene["name"],
+            "verdict": scene["verdict"],
+            "sha256": scene["sha256"],
+            "reason": None,
+            "sentence": sentence(scene),
+            "changes": list(_found(scene)),
+            "absent": list(_absent(scene)),
+            "renderers": [
+                {"name": lane["name"], "seconds": sum(s or 0.0 for s in lane["seconds"].values())}
+                for lane in scene["renderers"]
+            ],
+        }
+        for scene in report["scenes"]
+    ]
+    run = {"created": report["run"]["created"], "environment": report["environment"]}
+    return document({**run, "scenes": scenes}, "crosstrace run")
+
+
+def _found(scene: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Say of the verdict and of each lane what is not plainly equal, and whether it fails."""
+    departs = outcome(scene) == "departs"
+    yield {"text": f"{scene['verdict']}. {sentence(scene)}", "fails": departs, "lane": ""}
+    for lane in scene["renderers"]:
+        some = {name: count for name, count in lane["classes"].items() if count and name != "equal"}
+        if some:
+            said = ", ".join(f"{count:,} {name}" for name, count in some.items())
+            fails = departs and lane["name"] in scene["blame"]
+            yield {"text": f"{said} pixels", "fails": fails, "lane": lane["name"]}
+
+
+def _absent(scene: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+    for lane in scene["renderers"]:
+        if lane["status"] != "ok":
+            yield {"lane": lane["name"], "status": lane["status"], "message": lane["message"]}
+        elif lane["classes"]["equal"] is None:
+            why = scene["judgement"]["message"]
+            yield {"lane": lane["name"], "status": "not judged", "message": why}
 
 
 def _properties(suite: Element, checked: Mapping[str, Any], scene: Mapping[str, Any]) -> None:

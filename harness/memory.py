@@ -53,6 +53,38 @@ class PeakMemory:
                 self._children_kib[child] = max(size, self._children_kib.get(child, 0))
 
 
+def available_bytes() -> int | None:
+    """Return how much this process may still take, of the machine and of its control group.
+
+    None where the system does not say.
+    """
+    found = [room for room in (_machine_room(), _group_room()) if room is not None]
+    return min(found, default=None)
+
+
+def _machine_room() -> int | None:
+    try:
+        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    except (OSError, ValueError):
+        pass
+    return None
+
+
+def _group_room() -> int | None:
+    group = Path("/sys/fs/cgroup")
+    try:
+        most = (group / "memory.max").read_text(encoding="ascii").strip()
+        held = int((group / "memory.current").read_text(encoding="ascii"))
+        # Of what is held, the cached files would make room.
+        stat = (group / "memory.stat").read_text(encoding="ascii").splitlines()
+        cached = sum(int(line.split()[1]) for line in stat if line.startswith("inactive_file "))
+        return None if most == "max" else int(most) - held + cached
+    except (OSError, ValueError):
+        return None
+
+
 def _children() -> list[str]:
     found: list[str] = []
     try:

@@ -12,12 +12,12 @@ scene:
 - **the widths of the two inflated enclosures** where coordinates move. The certified kernel with
   κu encloses all that arithmetic of that error may return (truth.py), so a, b and both scenes'
   truths lie inside; what rounding the changed scene's numbers does to the view is added to κu.
-  Pixels are left out only where one of the enclosures is wider than `Arithmetic.tolerance`. Types
+  Pixels are left out only where one of the enclosures is wider than `Way.tolerance`. Types
   wider than double are held to double's bound, since the changed numbers are doubles; where these
   are exact (`axes`) the widths, which grow with u, are scaled by u / 2⁻⁵³, to first order.
 
 Output adds half a step of quantisation for each image; POV-Ray keeps colours in float32, so its
-second term has u = 2⁻²⁴. All enclosures are taken under the readings that state a lane's own rules.
+second term has u = 2⁻²⁴. All enclosures are those of the emulation in a lane's ledger.
 Some of these are in world units, so that a change is no invariance for that lane: Mitsuba's ray
 offset, (1 + max|p|) 8.94e-5, depends on where a scene lies and how large it is; mitsuba-f64 has a
 fixed ε; POV-Ray's tolerances are constants of a world that we scale by a power of two only up to
@@ -34,8 +34,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.harness import tasks
-from crosstrace.harness.arithmetics import DOUBLE, Arithmetic, arithmetics
+from crosstrace.harness.arithmetics import DOUBLE, Way, ways
+from crosstrace.harness.lanes import REFERENCE, loaded
 from crosstrace.translators.errors import UnsupportedSceneError
+from crosstrace.translators.ledger import Emulation
 from crosstrace.translators.metamorphic import RELATIONS, Relation, view_error
 from crosstrace.translators.native.truth import certify
 from crosstrace.translators.renderer import Rendering, RenderOptions
@@ -72,14 +74,15 @@ def check(lane: str, scene: Scene, options: RenderOptions) -> list[Outcome]:
 
     `options` give threads and time limit. Raises what the lane raises.
     """
-    ways = arithmetics(lane)
     enclose = _Encloser(options.threads)
-    base = {way.precision: _render(way, scene, options, {}) for way in ways}
+    base = {way: _render(way, scene, options, {}) for way in ways(lane, scene)}
+    meaning = _meaning(lane, scene, {})
     outcomes = []
     for relation in RELATIONS:
         changed = relation.apply(scene)
-        for way in ways:
-            readings = relation.readings if lane == "native" else {}
+        readings = relation.readings if lane == REFERENCE else {}
+        changed_meaning = _meaning(lane, changed, readings)
+        for way, before in base.items():
             try:
                 made = _render(way, changed, options, readings)
             except UnsupportedSceneError as error:
@@ -87,20 +90,21 @@ def check(lane: str, scene: Scene, options: RenderOptions) -> list[Outcome]:
                 outcomes.append(Outcome(relation.name, lane, way.precision, pixels, 0, 0, None,
                                         None, False, str(error)))  # fmt: skip
                 continue
-            pair = _Pair(relation, way, scene, changed, base[way.precision], made, readings)
+            pair = _Pair(relation, way, meaning, changed_meaning, before, made)
             outcomes.append(_judge(pair, enclose))
     return outcomes
 
 
 @dataclass(frozen=True)
 class _Pair:
+    """Two renderings, and what the lane takes their scenes to mean."""
+
     relation: Relation
-    way: Arithmetic
-    scene: Scene
-    changed: Scene
+    way: Way
+    meaning: Emulation
+    changed: Emulation
     before: Rendering
     after: Rendering
-    readings: Mapping[str, str]
 
     @property
     def own_rule(self) -> bool:
@@ -128,9 +132,10 @@ class _Pair:
     def output_error(self) -> Array:
         """What quantisation and the rounding of colours may put between the images."""
         value = np.maximum(np.abs(self.relation.undo(self.after.image)), np.abs(self.before.image))
-        steps = (self.changed.max_depth + 1) * (2 * self.changed.n_lights + 8)
+        scene = self.changed.scene
+        steps = (scene.max_depth + 1) * (2 * scene.n_lights + 8)
         halves = self.before.half_step + self.after.half_step
-        return np.asarray(2 * self.way.color_unit * steps * value + halves + _TINY)
+        return np.asarray(2 * self.way.arithmetic.color_unit * steps * value + halves + _TINY)
 
 
 @dataclass(frozen=True)
@@ -150,19 +155,18 @@ class _Encloser:
         self._made: dict[Any, _Known] = {}
 
     def __call__(
-        self, way: Arithmetic, scene: Scene, readings: Mapping[str, str],
-        among: NDArray[np.bool_], more: float = 0.0,
-    ) -> _Known:  # fmt: skip
+        self, way: Way, meaning: Emulation, among: NDArray[np.bool_], more: float = 0.0
+    ) -> _Known:
         """Enclose the pixels of `among` (v_res, h_res), with `more` relative error than the lane's.
 
         Glass is dear to enclose in float32 where nothing comes of it.
         """
-        error = way.kappa * max(way.unit, DOUBLE) + more
-        texts = tuple(sorted(readings.items()))
+        error = way.arithmetic.kappa * max(way.arithmetic.unit, DOUBLE) + more
+        scene, texts = meaning.scene, tuple(sorted(meaning.readings.items()))
         key = (scene.sha256, error, way.tolerance, texts, among.tobytes())
         if key not in self._made:
             some = certify(
-                scene, readings, pixels=np.flatnonzero(among), tolerance=way.tolerance,
+                scene, meaning.readings, pixels=np.flatnonzero(among), tolerance=way.tolerance,
                 kappa=error, threads=self._threads,
             )  # fmt: skip
             lo, hi = np.full((2, *scene.shape), np.nan)
@@ -173,12 +177,16 @@ class _Encloser:
 
 
 def _render(
-    way: Arithmetic, scene: Scene, options: RenderOptions, readings: Mapping[str, str]
+    way: Way, scene: Scene, options: RenderOptions, readings: Mapping[str, str]
 ) -> Rendering:
-    if way.lane != "native":
+    if way.lane != REFERENCE:
         return tasks.render(way.lane, scene, options)[0]
     how = RenderOptions(options.threads, readings, way.precision, None, options.timeout_s, True)
     return tasks.render(way.lane, scene, how)[0]
+
+
+def _meaning(lane: str, scene: Scene, readings: Mapping[str, str]) -> Emulation:
+    return loaded(lane).ledger(scene).emulation or Emulation(scene, readings)
 
 
 def _judge(pair: _Pair, enclose: _Encloser) -> Outcome:
@@ -186,14 +194,14 @@ def _judge(pair: _Pair, enclose: _Encloser) -> Outcome:
     apart = pair.difference
     compared = np.ones(apart.shape[:2], np.bool_)
     bound, middle = pair.output_error, np.zeros_like(apart)
-    if way.lane == "native" and not relation.rounds:
+    if way.lane == REFERENCE and not relation.rounds:
         bound = np.zeros_like(apart)
     elif relation.moves:
         before, after = _enclosures(pair, enclose)
         compared = after.decidable
         bound, middle = _allowed(pair, before, after)
     if relation.ties:
-        compared = enclose(way, pair.scene, way.readings(pair.before.settings), compared).decidable
+        compared = enclose(way, pair.meaning, compared).decidable
     distance = np.abs(apart - middle)
     inside = (distance <= bound).all(axis=-1)
     any_compared = bool(compared.any())
@@ -212,13 +220,12 @@ def _judge(pair: _Pair, enclose: _Encloser) -> Outcome:
 
 def _enclosures(pair: _Pair, enclose: _Encloser) -> tuple[_Known, _Known]:
     """Enclose both scenes; the second only where the first is decidable."""
-    way, readings = pair.way, pair.way.readings(pair.before.settings)
-    before = enclose(way, pair.scene, readings, np.ones(pair.scene.shape[:2], np.bool_))
+    way, meaning = pair.way, pair.meaning
+    before = enclose(way, meaning, np.ones(meaning.scene.shape[:2], np.bool_))
     if not pair.relation.exact:
-        turned = view_error(pair.scene, pair.changed)
-        before = enclose(way, pair.scene, readings, before.decidable, turned)
-    readings = {**way.readings(pair.after.settings), **pair.readings}
-    return before, enclose(way, pair.changed, readings, before.decidable)
+        turned = view_error(meaning.scene, pair.changed.scene)
+        before = enclose(way, meaning, before.decidable, turned)
+    return before, enclose(way, pair.changed, before.decidable)
 
 
 def _allowed(pair: _Pair, before: _Known, after: _Known) -> tuple[Array, Array]:
@@ -229,6 +236,7 @@ def _allowed(pair: _Pair, before: _Known, after: _Known) -> tuple[Array, Array]:
         if pair.own_rule:
             middle = np.asarray(((lo - before.hi) + (hi - before.lo)) / 2)
             return widths / 2 + pair.output_error, middle
-    if pair.relation.exact and pair.way.unit < DOUBLE:
-        widths = widths * (pair.way.unit / DOUBLE)
+    unit = pair.way.arithmetic.unit
+    if pair.relation.exact and unit < DOUBLE:
+        widths = widths * (unit / DOUBLE)
     return np.asarray(widths + pair.output_error), np.zeros_like(widths)

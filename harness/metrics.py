@@ -8,12 +8,13 @@ a pixel's difference is not finite, so are max, mean, RMSE and PSNR: nothing is 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crosstrace.harness.bands import cut
 from crosstrace.translators.errors import UsageError
 
 Array = NDArray[np.float64]
@@ -92,34 +93,81 @@ def pixel_difference(signed: Array) -> Array:
 def measure(a: Any, b: Any, n_worst: int = N_WORST) -> Metrics:
     """Compare two images (v_res, h_res, 3) on linear float; raises UsageError on other shapes."""
     first, second = checked_pair(a, b)
-    signed = difference(first, second)
-    per_pixel = pixel_difference(signed)
-    with np.errstate(invalid="ignore", over="ignore"):
-        mean = float(np.abs(signed).mean()) if signed.size else 0.0
-        rmse = _rmse(signed)
-    return Metrics(
-        pixels=per_pixel.size,
-        max=float(per_pixel.max(initial=0.0)),
-        mean=mean,
-        bias=float(signed.mean()) if signed.size else 0.0,
-        rmse=rmse,
-        psnr=-20 * math.log10(rmse) if rmse > 0 and math.isfinite(rmse) else None,
-        over={key: _count_beyond(per_pixel, limit) for key, limit in THRESHOLDS.items()},
-        differing=_count_beyond(per_pixel, 0.0),
-        nonfinite=int(np.count_nonzero(~np.isfinite(per_pixel))),
-        worst=_worst(first, second, per_pixel, n_worst),
-    )
+    tally = Tally(n_worst)
+    for begin, end in cut(*first.shape[:2]):
+        tally.add(begin, first[begin:end], second[begin:end])
+    return tally.metrics()
 
 
-def _rmse(signed: Array) -> float:
-    """Root of the mean square, scaled so that squares neither vanish nor burst."""
-    if not signed.size:
-        return 0.0
-    scale = float(np.abs(signed).max())
+class Tally:
+    """Metrics of two images that come in the bands of `bands.cut`."""
+
+    def __init__(self, n_worst: int = N_WORST) -> None:
+        """Start with nothing."""
+        self._n_worst = n_worst
+        self._pixels = self._differing = self._nonfinite = 0
+        self._over = dict.fromkeys(THRESHOLDS, 0)
+        self._max = self._magnitudes = self._differences = 0.0
+        self._squares: list[tuple[float, float]] = []
+        self._worst: list[WorstPixel] = []
+
+    def add(self, row: int, first: Array, second: Array) -> None:
+        """Add a band of both images, (rows, columns, 3), whose first row is `row`."""
+        signed = difference(first, second)
+        per_pixel = pixel_difference(signed)
+        self._pixels += per_pixel.size
+        self._max = float(np.maximum(self._max, per_pixel.max(initial=0.0)))
+        with np.errstate(invalid="ignore", over="ignore"):
+            self._magnitudes += float(np.abs(signed).sum())
+            self._squares.append(_squares(signed))
+        self._differences += float(signed.sum())
+        for key, limit in THRESHOLDS.items():
+            self._over[key] += _count_beyond(per_pixel, limit)
+        self._differing += _count_beyond(per_pixel, 0.0)
+        self._nonfinite += int(np.count_nonzero(~np.isfinite(per_pixel)))
+        found = _worst(first, second, per_pixel, self._n_worst)
+        self._worst += [replace(pixel, row=pixel.row + row) for pixel in found]
+        # Stable, so that of equal ones those that came first stay first.
+        self._worst.sort(key=lambda pixel: -_rank(pixel.difference))
+        del self._worst[self._n_worst :]
+
+    def metrics(self) -> Metrics:
+        """Return the numbers of all that was added."""
+        values = 3 * self._pixels
+        rmse = _root_mean(self._squares, values)
+        return Metrics(
+            pixels=self._pixels,
+            max=self._max,
+            mean=self._magnitudes / values if values else 0.0,
+            bias=self._differences / values if values else 0.0,
+            rmse=rmse,
+            psnr=-20 * math.log10(rmse) if rmse > 0 and math.isfinite(rmse) else None,
+            over=dict(self._over),
+            differing=self._differing,
+            nonfinite=self._nonfinite,
+            worst=tuple(self._worst),
+        )
+
+
+def _rank(difference: float) -> float:
+    return math.inf if math.isnan(difference) else difference
+
+
+def _squares(signed: Array) -> tuple[float, float]:
+    """Return a scale, and the sum of squares in its units, which neither vanish nor burst."""
+    scale = float(np.abs(signed).max(initial=0.0))
+    if scale == 0.0 or not math.isfinite(scale):
+        return scale, 0.0
+    scaled = (signed / scale).ravel()
+    return scale, float(scaled @ scaled)
+
+
+def _root_mean(squares: list[tuple[float, float]], count: int) -> float:
+    scale = float(np.max([part[0] for part in squares], initial=0.0))
     if scale == 0.0 or not math.isfinite(scale):
         return scale
-    scaled = (signed / scale).ravel()
-    return scale * math.sqrt(float(scaled @ scaled) / scaled.size)
+    total = sum(found * (own / scale) ** 2 for own, found in squares)
+    return scale * math.sqrt(total / count)
 
 
 def _count_beyond(per_pixel: Array, limit: float) -> int:

@@ -7,7 +7,8 @@ alpha comes premultiplied unless told otherwise. Its size limit is tens of gigab
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from crosstrace.translators.errors import UsageError
 
 #: A stranger's image beyond this is refused before its pixels are read: 8k × 8k float32 RGBA.
 LARGEST_MB = 1024
+#: The same for one that is read by rows, of which never many are held.
+LARGEST_READ_BY_ROWS_MB = 64 * 1024
 
 _WRITE_ATTRIBUTES: dict[str, dict[str, str | int]] = {
     ".exr": {"compression": "zip"},
@@ -27,21 +30,23 @@ _WRITE_ATTRIBUTES: dict[str, dict[str, str | int]] = {
 }
 
 
-def _library() -> Any:
+def _library(largest_mb: int = LARGEST_MB) -> Any:
     import OpenImageIO
 
-    OpenImageIO.attribute("limits:imagesize_MB", LARGEST_MB)
+    OpenImageIO.attribute("limits:imagesize_MB", largest_mb)
     OpenImageIO.attribute("limits:channels", 64)
     return OpenImageIO
 
 
-def read(path: Path) -> tuple[NDArray[np.float64], dict[str, str]]:
-    """Read an image as (rows, columns, 3) float64, and its text metadata.
+@contextlib.contextmanager
+def reading(path: Path, largest_mb: int = LARGEST_READ_BY_ROWS_MB) -> Iterator[Any]:
+    """Open an image; gives its shape, what reads rows [begin, end), and its text metadata.
 
-    8- and 16-bit values are divided by their greatest, 255 or 65535; nothing else is converted, and
-    no transfer curve is undone. Raises UsageError for what cannot be read.
+    Rows are (count, columns, 3) float64. 8- and 16-bit values are divided by their greatest, 255 or
+    65535; nothing else is converted, and no transfer curve is undone. Raises UsageError for what
+    cannot be read.
     """
-    oiio = _library()
+    oiio = _library(largest_mb)
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
     source = oiio.ImageInput.open(str(path), config)
@@ -49,34 +54,67 @@ def read(path: Path) -> tuple[NDArray[np.float64], dict[str, str]]:
         raise UsageError(f"{path}: expected an image, found: {_reason(oiio, path)}")
     try:
         spec = source.spec()
-        pixels = source.read_image(oiio.UNKNOWN)
-        if pixels is None:
-            raise UsageError(f"{path}: expected a whole image, found: {source.geterror()}")
         names = [name.rpartition(".")[2] for name in spec.channelnames]
+        top, columns, channels = spec.y, spec.width, spec.nchannels
+
+        def read_rows(begin: int, end: int) -> NDArray[np.float64]:
+            pixels = source.read_scanlines(top + begin, top + end, 0, 0, channels, oiio.UNKNOWN)
+            if pixels is None:
+                raise UsageError(f"{path}: expected a whole image, found: {source.geterror()}")
+            pixels = np.asarray(pixels).reshape(end - begin, columns, channels)
+            return _three_channels(_as_float(pixels), names)
+
+        metadata = {a.name: str(a.value) for a in spec.extra_attribs if isinstance(a.value, str)}
+        yield (spec.height, columns, 3), read_rows, metadata
     finally:
         source.close()
-    pixels = np.asarray(pixels).reshape(spec.height, spec.width, spec.nchannels)
-    metadata = {a.name: str(a.value) for a in spec.extra_attribs if isinstance(a.value, str)}
-    return _three_channels(_as_float(pixels), names), metadata
+
+
+def read(path: Path) -> tuple[NDArray[np.float64], dict[str, str]]:
+    """Read an image as (rows, columns, 3) float64, and its text metadata; see `reading`."""
+    with reading(path, LARGEST_MB) as (shape, read_rows, metadata):
+        return read_rows(0, shape[0]), metadata
+
+
+@contextlib.contextmanager
+def writing(
+    path: Path, shape: tuple[int, ...], suffix: str, metadata: Mapping[str, str] | None = None
+) -> Iterator[Callable[[NDArray[Any]], None]]:
+    """Open a file for float32 rows (`.exr`) or uint8 ones (`.png`, `.ppm`), given from the top.
+
+    Raises UsageError.
+    """
+    oiio = _library()
+    rows, columns, channels = shape
+    spec = oiio.ImageSpec(columns, rows, channels, oiio.FLOAT if suffix == ".exr" else oiio.UINT8)
+    for name, value in (*_WRITE_ATTRIBUTES[suffix].items(), *(metadata or {}).items()):
+        spec.attribute(name, value)
+    target = oiio.ImageOutput.create(str(path))
+    if target is None or not target.open(str(path), spec):
+        raise UsageError(f"{path}: cannot be written: {_reason(oiio, path, target)}")
+    row = 0
+
+    def write_rows(pixels: NDArray[Any]) -> None:
+        nonlocal row
+        begin, row = row, row + len(pixels)
+        if not target.write_scanlines(begin, row, 0, np.ascontiguousarray(pixels)):
+            raise UsageError(f"{path}: cannot be written: {target.geterror()}")
+
+    try:
+        yield write_rows
+    except BaseException:
+        target.close()
+        raise
+    if not target.close():
+        raise UsageError(f"{path}: cannot be written: {target.geterror()}")
 
 
 def write(
     path: Path, image: NDArray[Any], suffix: str, metadata: Mapping[str, str] | None = None
 ) -> None:
     """Write float32 pixels to `.exr`, uint8 ones to `.png` or `.ppm`; raises UsageError."""
-    oiio = _library()
-    pixels = np.ascontiguousarray(image)
-    rows, columns, channels = pixels.shape
-    kind = oiio.FLOAT if pixels.dtype == np.float32 else oiio.UINT8
-    spec = oiio.ImageSpec(columns, rows, channels, kind)
-    for name, value in (*_WRITE_ATTRIBUTES[suffix].items(), *(metadata or {}).items()):
-        spec.attribute(name, value)
-    target = oiio.ImageOutput.create(str(path))
-    if target is None or not target.open(str(path), spec):
-        raise UsageError(f"{path}: cannot be written: {_reason(oiio, path, target)}")
-    written = target.write_image(pixels)
-    if not (target.close() and written):
-        raise UsageError(f"{path}: cannot be written: {target.geterror()}")
+    with writing(path, image.shape, suffix, metadata) as write_rows:
+        write_rows(image)
 
 
 def _reason(oiio: Any, path: Path, target: Any = None) -> str:

@@ -89,6 +89,11 @@ def _exceptions(scene: Mapping[str, Any]) -> Iterator[str]:
             said.insert(0, f"wrong on {classes['wrong']:,} pixels ({_where(lane)})")
         elif lane["name"] in scene["blame"]:
             said.append(f"mostly {_where(lane)}")
+        for met in lane["declared"]:
+            said.append(
+                f"{met['pixels']:,} of {met['looked_at']:,} of these meet what it declares but "
+                f"nothing reproduces ({met['situation']})"
+            )
         if said:
             yield f"{lane['name']}: {', '.join(said)}"
 

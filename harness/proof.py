@@ -1,110 +1,129 @@
-"""The suite proves itself: a record of which planted faults are caught, and what it means.
+"""Proof that leaving effects out changes no image, and what it saves: gated against ungated.
 
-Every fault of the catalogue is planted in every lane on every scene (`mutation.rows`), and judged
-as a run is. A fault that changes more than a few pixels and is not caught, or is blamed on anybody
-but its lane, has escaped; one escape fails the proof.
+Each lane renders a scene as it always does (gated: what the scene calls for), with all effects of
+its delivery (ungated), without each effect that is called for, and with each that is left out. A
+first round warms caches and counts only for the images; the others are interleaved, and times are
+medians. The images have to be the same to the last bit, or for a lane with quantised output the
+same within its steps.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from datetime import UTC, datetime
-from typing import Any, Literal
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
-from crosstrace.harness import mutation, outcome
-from crosstrace.harness.environment import describe
-from crosstrace.harness.faults import FAULTS, Fault
-from crosstrace.harness.jobs import WorkerPool, available_cores
-from crosstrace.harness.mutation import Row
-from crosstrace.harness.session import RunOptions
-from crosstrace.harness.sources import Source, sized
-from crosstrace.translators.renderer import RenderOptions
+import numpy as np
 
-SCHEMA = "crosstrace-mutation/1"
+from crosstrace.harness import alone
+from crosstrace.translators.effects import EFFECTS, effects, of_delivery
+from crosstrace.translators.errors import CrosstraceError, RendererError, UnsupportedSceneError
+from crosstrace.translators.renderer import Rendering, RenderOptions
+from crosstrace.translators.scene import Scene
 
-#: Rows of a larger scene by default: a scene is rendered some ninety times.
-MOST_ROWS = 60
+GATED, UNGATED = "gated", "ungated"
 
-#: Takes how many rows are done, how many there are, and the last one.
-Observer = Callable[[int, int, Row], None]
+#: Called with a lane and the part of its work that is done.
+Told = Callable[[str, float], None]
 
-State = Literal["nothing", "too little", "caught", "escaped", "failed"]
+
+@dataclass
+class _Variant:
+    effects: frozenset[str] | None
+    made: Rendering | None = None
+    seconds: list[float] = field(default_factory=list)
+    reason: str = ""
+
+    @property
+    def median(self) -> float | None:
+        return statistics.median(self.seconds) if self.seconds else None
 
 
 def prove(
-    sources: Sequence[Source],
-    options: RunOptions | None = None,
-    *,
-    faults: Sequence[Fault] = FAULTS,
-    events: Observer | None = None,
-) -> dict[str, Any]:
-    """Plant the faults in the lanes of the options; return the record, one row a planting.
+    scene: Scene, lanes: Sequence[str], how: RenderOptions, repeat: int, told: Told
+) -> list[dict[str, Any]]:
+    """Return a record of each lane, JSON-ready.
 
-    Scenes of more than `MOST_ROWS` rows are reduced to so many unless the options have a size.
+    `status` is "ok", or "missing", "unsupported" or "failed" with a `message`, and then there is
+    nothing else. `identical` says that gated and ungated images have the same bits, `equal` that
+    they are as the module's text demands, `max_difference` by how much they differ. `seconds` are
+    medians of gated and ungated, `runs` all of them, `saved_seconds` their difference;
+    `cost_seconds` and `left_out_seconds` say by effect what it costs, and would cost; None where
+    the lane cannot leave it out or take it in alone.
     """
-    options = options or RunOptions()
-    started = time.perf_counter()
-    todo = [replace(it, scene=sized(it.scene, options.size, MOST_ROWS)) for it in sources]
-    total = len(todo) * sum(lane in fault.lanes for lane in options.lanes for fault in faults)
-    how = RenderOptions(threads=1, timeout_s=options.timeout_s)
-    made: list[Row] = []
-    with WorkerPool(options.jobs or available_cores(), threads=1) as pool:
-        for row in mutation.rows(
-            todo, pool, faults=faults, lanes=options.lanes, options=how,
-            judge=mutation.Court(options.threads),
-        ):  # fmt: skip
-            made.append(row)
-            if events is not None:
-                events(len(made), total, row)
-    scenes = [_scene(source, [row for row in made if row.scene == source.name]) for source in todo]
+    return [_lane(lane, scene, how, repeat, told) for lane in lanes]
+
+
+def _lane(lane: str, scene: Scene, how: RenderOptions, repeat: int, told: Told) -> dict[str, Any]:
+    called_for = frozenset(effects(scene).names)
+    everything = of_delivery(scene.delivery)
+    variants = {GATED: _Variant(None), UNGATED: _Variant(everything)}
+    for name in EFFECTS:
+        if name in called_for:
+            variants[name] = _Variant(called_for - {name})
+        elif name in everything:
+            variants[name] = _Variant(called_for | {name})
+    try:
+        found = alone.probe(lane)
+        if not found.available:
+            return {"name": lane, "status": "missing", "message": found.reason}
+        total, done = len(variants) * (repeat + 1), 0
+        for turn in range(repeat + 1):
+            for key, variant in variants.items():
+                _render(lane, scene, how, variant, key in (GATED, UNGATED), turn > 0)
+                done += 1
+                told(lane, done / total)
+    except UnsupportedSceneError as error:
+        return {"name": lane, "status": "unsupported", "message": str(error)}
+    except RendererError as error:
+        return {"name": lane, "status": "failed", "message": str(error)}
+    return {"name": lane, "status": "ok", **_record(variants, called_for)}
+
+
+def _render(
+    lane: str, scene: Scene, how: RenderOptions, variant: _Variant, must: bool, counts: bool
+) -> None:
+    if variant.reason:
+        return
+    try:
+        made, _ = alone.render(lane, scene, replace(how, effects=variant.effects))
+    except CrosstraceError as error:
+        if must:
+            raise
+        variant.reason = str(error)
+        return
+    if variant.made is None and must:
+        variant.made = made
+    if counts:
+        variant.seconds.append(made.seconds.render)
+
+
+def _record(variants: dict[str, _Variant], called_for: frozenset[str]) -> dict[str, Any]:
+    gated, ungated = variants[GATED], variants[UNGATED]
+    assert gated.made is not None and ungated.made is not None
+    difference = float(np.abs(gated.made.image - ungated.made.image).max(initial=0.0))
+    steps = gated.made.half_step + ungated.made.half_step
+    identical = gated.made.image.tobytes() == ungated.made.image.tobytes()
+    base = gated.median
+    extra = {
+        name: None if base is None or it.median is None else it.median - base
+        for name, it in variants.items()
+        if name not in (GATED, UNGATED)
+    }
     return {
-        "schema": SCHEMA,
-        "status": _status(made),
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "seconds": time.perf_counter() - started,
-        "lanes": list(options.lanes),
-        "faults": {fault.name: fault.sentence for fault in faults},
-        "environment": describe(),
-        "scenes": scenes,
-        "rows": [row.record() for row in made],
+        "identical": identical,
+        "equal": identical or (steps > 0 and difference <= steps),
+        "max_difference": difference,
+        "half_steps": steps,
+        "seconds": {GATED: base, UNGATED: ungated.median},
+        "runs": {GATED: gated.seconds, UNGATED: ungated.seconds},
+        "saved_seconds": _minus(ungated.median, base),
+        "cost_seconds": {n: None if s is None else -s for n, s in extra.items() if n in called_for},
+        "left_out_seconds": {n: s for n, s in extra.items() if n not in called_for},
+        "not_alone": {name: it.reason for name, it in variants.items() if it.reason},
     }
 
 
-def state(row: Mapping[str, Any]) -> State:
-    """Say what became of a planting: there was nothing to break, it was caught, it escaped …"""
-    if row["error"] is not None:
-        return "failed"
-    if row["changed"] is None:
-        return "nothing"
-    if row["caught"] is None:
-        return "too little"
-    return "caught" if row["caught"] and row["blamed"] else "escaped"
-
-
-def exit_status(record: Mapping[str, Any]) -> int:
-    """Return 1 where a fault escaped, 3 where a lane failed to render or nothing was judged."""
-    by_word = {
-        "pass": outcome.OK, "fail": outcome.DISAGREES, "incomplete": outcome.RENDERER_FAILED,
-    }  # fmt: skip
-    return by_word[record["status"]]
-
-
-def _status(made: Sequence[Row]) -> str:
-    states = {state(row.record()) for row in made}
-    if "escaped" in states:
-        return "fail"
-    return "pass" if "caught" in states and "failed" not in states else "incomplete"
-
-
-def _scene(source: Source, made: Sequence[Row]) -> dict[str, Any]:
-    judged = [row for row in made if row.caught is not None]
-    return {
-        "name": source.name,
-        "sha256": source.scene.sha256,
-        "size": [source.scene.v_res, source.scene.h_res],
-        "judged": len(judged),
-        "caught": sum(bool(row.caught) for row in judged),
-        "blamed": sum(bool(row.blamed) for row in judged),
-    }
+def _minus(a: float | None, b: float | None) -> float | None:
+    return None if a is None or b is None else a - b

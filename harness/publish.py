@@ -13,11 +13,14 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from crosstrace.harness import record
+from crosstrace.harness import markdown, record
 from crosstrace.harness.page import draw
 from crosstrace.translators.errors import UsageError
+from crosstrace.translators.leftovers import sweep
 
-JSON_NAME, PAGE_NAME = "report.json", "report.html"
+JSON_NAME, PAGE_NAME, MARKDOWN_NAME = "report.json", "report.html", "report.md"
+
+_PREFIX = ".crosstrace-report-"
 
 
 @contextlib.contextmanager
@@ -31,7 +34,8 @@ def workspace(directory: Path) -> Iterator[Path]:
     home = directory if directory.is_dir() else directory.absolute().parent
     try:
         home.mkdir(parents=True, exist_ok=True)
-        made = Path(tempfile.mkdtemp(prefix=".crosstrace-report-", dir=home))
+        sweep(home, _PREFIX)
+        made = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=home))
     except OSError as error:
         raise UsageError(f"{directory}: cannot be written: {error.strerror}") from error
     try:
@@ -41,17 +45,20 @@ def workspace(directory: Path) -> Iterator[Path]:
 
 
 def publish(built: Path, directory: Path, report: Mapping[str, Any]) -> Path:
-    """Move the images of `built` to `directory`, write record and page; return the page's path."""
-    page = draw.page(report)
+    """Move the images of `built` to `directory`, write record, page and summary; return
+    the page's path.
+    """
+    page = draw.page(report, built)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         stale = _files_of(directory / JSON_NAME)
         (built / JSON_NAME).write_text(record.dumps(report), encoding="utf-8")
         (built / PAGE_NAME).write_text(page, encoding="utf-8")
+        (built / MARKDOWN_NAME).write_text(markdown.document(report), encoding="utf-8")
         # The images first: a page must never point at what is not there yet.
         images = sorted(p for p in (built / "images").rglob("*") if p.is_file())
         inside = [image.relative_to(built) for image in images]
-        for name in (*inside, Path(PAGE_NAME), Path(JSON_NAME)):
+        for name in (*inside, Path(PAGE_NAME), Path(MARKDOWN_NAME), Path(JSON_NAME)):
             target = directory / name
             target.parent.mkdir(parents=True, exist_ok=True)
             (built / name).replace(target)
@@ -66,8 +73,9 @@ def _files_of(path: Path) -> set[Path]:
     """Return the images that an earlier report in the same place says are its own."""
     try:
         earlier = record.loads(path)
-        entries = [e for s in earlier["scenes"] for e in (*s["renderers"], *s["pairs"])]
-        names = [Path(image["file"]) for entry in entries for image in entry["images"].values()]
+        entries = [e for s in earlier["scenes"] for e in (s, *s["renderers"], *s["pairs"])]
+        images = [image for entry in entries for image in entry.get("images", {}).values()]
+        names = [Path(image["file"]) for image in images]
     except (UsageError, KeyError, TypeError, AttributeError):
         return set()
     return {n for n in names if n.parts[:1] == ("images",) and ".." not in n.parts}

@@ -34,10 +34,10 @@ SCHEMA = "crosstrace-report/1"
 _LISTED_OBJECTS = 100
 
 #: Keys of a judgement that stand elsewhere in a scene's record.
-_PLACED = ("verdict", "blame", "lanes")
+_PLACED = ("verdict", "blame", "lanes", "images")
 
-_NUMBERS = ("max", "mean", "bias", "rmse", "psnr", "ssim", "over_1_255", "over_1e_4", "over_1e_9",
-            "pixels", "differing", "nonfinite")  # fmt: skip
+_NUMBERS = ("max", "mean", "bias", "rmse", "psnr", "p999", "ssim", "flip", "over_1_255",
+            "over_1e_4", "over_1e_9", "pixels", "differing", "nonfinite", "spread")  # fmt: skip
 
 
 def failed(error: BaseException) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def told(error: BaseException) -> str:
 
 def not_judged(message: str) -> dict[str, Any]:
     """Return the record of a scene that could not be judged."""
-    return {"message": message, "verdict": "incomplete", "blame": [], "lanes": {}}
+    return {"message": message, "verdict": "incomplete", "blame": [], "lanes": {}, "images": {}}
 
 
 def not_compared(message: str) -> dict[str, Any]:
@@ -129,6 +129,7 @@ def scene(
         "judgement": {key: value for key, value in judged.items() if key not in _PLACED},
         "renderers": [_judged_lane(entry, lanes.get(entry["name"])) for entry in renderers],
         "pairs": list(pairs),
+        "images": dict(judged["images"]),
     }
 
 
@@ -139,12 +140,15 @@ def _judged_lane(entry: Mapping[str, Any], judged: Mapping[str, Any] | None) -> 
             "classes": dict.fromkeys(NAMES),
             "tolerance": None,
             "regions": [],
+            "excess": {},
+            "declared": [],
         }
         return {**entry, **nothing, "n_regions": None}
     images = dict(entry["images"])
     if judged["image"] is not None:
         images["classes"] = judged["image"]
-    kept = {key: judged[key] for key in ("classes", "tolerance", "regions", "n_regions")}
+    names = ("classes", "tolerance", "regions", "n_regions", "declared", "excess")
+    kept = {key: judged[key] for key in names}
     return {**entry, **kept, "images": images}
 
 
@@ -184,8 +188,11 @@ def dumps(report: Mapping[str, Any]) -> str:
     return json.dumps(_plain(report), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def loads(path: Path) -> dict[str, Any]:
-    """Read a `report.json`; raises UsageError for any other file."""
+def loads(path: Path, schema: str = SCHEMA, kind: str = "record") -> dict[str, Any]:
+    """Read a `report.json`, or another file of a `schema`; raises UsageError for any other file.
+
+    `kind` is what messages call it.
+    """
     try:
         read = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -193,8 +200,8 @@ def loads(path: Path) -> dict[str, Any]:
     except ValueError as error:
         raise UsageError(f"{path}: expected JSON, found: {error}") from error
     found = read.get("schema") if isinstance(read, dict) else type(read).__name__
-    if found != SCHEMA:
-        raise UsageError(f"{path}: expected a record of schema {SCHEMA}, found {found!r}")
+    if found != schema:
+        raise UsageError(f"{path}: expected a {kind} of schema {schema}, found {found!r}")
     loaded: dict[str, Any] = read
     return loaded
 

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crosstrace.translators.channels import largest
+
 #: So many regions of a lane are described, the largest first.
 DESCRIBED = 12
 
@@ -31,7 +33,8 @@ class Region:
     """A connected set of pixels: `box` is (top, left, bottom, right), the last two exclusive.
 
     `row`, `column` is the pixel that is furthest from the truth, by `difference`; `objects` are
-    the indices of the objects first hit, −1 the background.
+    the indices of the objects first hit, −1 the background. `tree` outlines the reference's rays of
+    that pixel (`ray_path.outline`), where it was asked for.
     """
 
     pixels: int
@@ -42,6 +45,7 @@ class Region:
     where: str
     kind: str
     objects: tuple[int, ...]
+    tree: str = ""
 
 
 def find(
@@ -62,7 +66,7 @@ def find(
     labels = label(which, connectivity=2)
     found = sorted(regionprops(labels), key=lambda p: (-p.num_pixels, p.label))
     terms = _terms(layers)
-    far = np.nan_to_num(np.abs(image - truth).max(axis=-1), nan=np.inf)
+    far = np.nan_to_num(largest(np.abs(image - truth)), nan=np.inf)
     regions = []
     for props in found[:DESCRIBED]:
         top, left, bottom, right = props.bbox
@@ -100,7 +104,7 @@ def _edges(values: NDArray[Any]) -> NDArray[np.bool_]:
 
 def _terms(layers: Mapping[str, NDArray[Any]]) -> NDArray[np.intp]:
     """Return for each pixel what rules it: an edge first, else its largest contribution."""
-    contributions = layers["contributions"].max(axis=-1)
+    contributions = largest(layers["contributions"])
     ruling = np.argmax(contributions, axis=-1)
     silhouette, decision = _edges(layers["object"]), _edges(layers["tree"])
     lit = contributions[..., 1] + contributions[..., 2]

@@ -13,12 +13,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from crosstrace.harness import outcome
+from crosstrace.harness import outcome, verdict_table
 from crosstrace.harness.changes import Change
 from crosstrace.harness.goldens import Reference
 from crosstrace.harness.remeasure import Measured, Observer, is_packaged, measure
 from crosstrace.harness.session import RunOptions
-from crosstrace.harness.sources import Source
+from crosstrace.harness.sources import Source, all_packaged_names
 from crosstrace.translators.errors import UsageError
 
 SCHEMA = "crosstrace-check/1"
@@ -83,7 +83,10 @@ def bless(
         raise UsageError("expected a reason for accepting new results, found none")
     reference.check_writable()
     _, measured = measure(sources, reference, options, None, events, executor)
-    return [_blessed(one, reference, reason) for one in measured]
+    done = [_blessed(one, reference, reason) for one in measured]
+    if any(scene["bytes"] for scene in done):
+        verdict_table.write(reference, list(all_packaged_names()))
+    return done
 
 
 def told(absent: Sequence[Mapping[str, str]]) -> str:

@@ -1,8 +1,7 @@
 """Which job of a run follows which: probe, render, compare as soon as two images are there.
 
 All goes through one Executor. A renderer that is missing, hangs or dies leaves its mark in the
-record and takes nothing else down. Jobs are ordered so that pictures appear scene by scene, and a
-comparison goes before further renderings, so that scratch files do not pile up.
+record and takes nothing else down. What the jobs are stands in `orders.py`.
 """
 
 from __future__ import annotations
@@ -11,30 +10,19 @@ import queue
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from itertools import combinations
-from pathlib import Path
 from typing import Any
 
-from crosstrace.harness import judging, record, store, tasks
-from crosstrace.harness.environment import package_version
-from crosstrace.harness.jobs import Task
-from crosstrace.harness.lanes import REFERENCE
-from crosstrace.harness.names import slug
+from crosstrace.harness import record
+from crosstrace.harness.orders import Job, Orders, Settings
 from crosstrace.harness.sources import Source
 from crosstrace.translators.errors import (
     RendererError,
     RendererMissingError,
     RendererTimeoutError,
 )
-from crosstrace.translators.renderer import Probe, RenderOptions
-
-#: A renderer that cannot say within this time whether it works does not.
-_PROBE_TIMEOUT_S = 60.0
-
-#: A renderer's own time limit gives the better message, so the worker's comes later.
-_GRACE_S = 5.0
+from crosstrace.translators.renderer import Probe
 
 #: A lane that hung so often is not asked for the scenes that are left.
 _MOST_TIMEOUTS = 2
@@ -61,31 +49,20 @@ class Event:
     fraction: float = 0.0
 
 
-@dataclass(frozen=True)
-class Settings:
-    """Where a session leaves its files and how it renders.
-
-    `root` is the directory of the report, `pixels` one for float64 images, both seen by every
-    worker. `options` go to every lane, its readings and its precision to the reference alone.
-    `tolerance` widens what counts as equal, on linear float.
-    """
-
-    lanes: tuple[str, ...]
-    root: Path
-    pixels: Path
-    options: RenderOptions
-    timeout_s: float | None = None
-    observe: Callable[[Event], None] = lambda event: None
-    tolerance: float = 0.0
-
-
 class Session:
     """Scenes through lanes by one executor; `observe` is called in the thread of `run`."""
 
-    def __init__(self, sources: Sequence[Source], settings: Settings, executor: Executor) -> None:
+    def __init__(
+        self,
+        sources: Sequence[Source],
+        settings: Settings,
+        executor: Executor,
+        observe: Callable[[Event], None],
+    ) -> None:
         """Plan; nothing is submitted yet."""
         self._sources, self._settings, self._executor = list(sources), settings, executor
-        self._lanes = settings.lanes
+        self._observe = observe
+        self._orders, self._lanes = Orders(self._sources, settings), settings.lanes
         self._probes: dict[str, Probe] = {}
         self._rendered: dict[tuple[int, str], dict[str, Any]] = {}
         self._compared: dict[tuple[int, str, str], dict[str, Any]] = {}
@@ -95,35 +72,21 @@ class Session:
         self._open = self._done = 0
         self._asked: dict[str, list[Future[Any]]] = {lane: [] for lane in self._lanes}
         self._timeouts: Counter[str] = Counter()
-        self._pairs = tuple(combinations(self._lanes, 2))
+        self._pairs = self._orders.pairs
         self._total = len(self._sources) * (len(self._lanes) + len(self._pairs) + 1)
-        taken: set[str] = set()
-        self._folders = [slug(source.name, taken) for source in self._sources]
-        taken_lanes: set[str] = set()
-        self._files = {lane: slug(lane, taken_lanes) for lane in self._lanes}
 
     def run(self) -> dict[str, Any]:
         """Do it all and return the record; it has no times of the whole run yet."""
         for lane in self._lanes:
-            task = Task(tasks.probe, affinity=lane, timeout_s=_PROBE_TIMEOUT_S, label=lane)
-            self._submit(task, (lane,), partial(self._on_probe, lane))
+            self._submit(self._orders.probe(lane), partial(self._on_probe, lane))
         while self._open:
             self._inbox.get()()
         scenes = [self._scene(i) for i in range(len(self._sources))]
         probes = {lane: self._probes[lane] for lane in self._lanes}
-        options = self._settings.options
-        settings = {
-            "readings": dict(options.readings),
-            "precision": options.precision,
-            "threads": options.threads,
-            "timeout_s": self._settings.timeout_s,
-            "tolerance": self._settings.tolerance,
-        }
-        return record.report(scenes, probes, settings)
+        return record.report(scenes, probes, self._settings.record)
 
-    def _submit(
-        self, task: Task, arguments: tuple[Any, ...], then: Callable[[Future[Any]], None]
-    ) -> Future[Any]:
+    def _submit(self, job: Job, then: Callable[[Future[Any]], None]) -> Future[Any]:
+        task, arguments = job
         self._open += 1
 
         def answered(future: Future[Any]) -> None:
@@ -152,20 +115,8 @@ class Session:
                 self._on_rendered(i, lane, record.failed(absence), news=False)
 
     def _render(self, i: int, lane: str, version: str) -> None:
-        settings, limit = self._settings, self._settings.timeout_s
-        options = replace(settings.options, timeout_s=limit)
-        if lane != REFERENCE:
-            options = replace(options, readings={}, precision="f64")
-        task = Task(
-            store.render_to_files,
-            affinity=lane,
-            rank=i,
-            timeout_s=None if limit is None else limit + _GRACE_S,
-            label=lane,
-            on_progress=lambda fraction: self._inbox.put(
-                lambda: self._tell("progress", i, lane, "render", "", fraction)
-            ),
-        )
+        def on_progress(fraction: float) -> None:
+            self._inbox.put(lambda: self._tell("progress", i, lane, "render", "", fraction))
 
         def then(future: Future[Any]) -> None:
             error = _GIVEN_UP if future.cancelled() else future.exception()
@@ -173,9 +124,8 @@ class Session:
                 self._on_timeout(lane)
             self._on_rendered(i, lane, record.failed(error) if error else future.result())
 
-        scene, place = self._sources[i].scene, self._place(i, self._files[lane])
-        arguments = (lane, scene, options, version, self._pixels(i, lane), place)
-        self._asked[lane].append(self._submit(task, arguments, then))
+        job = self._orders.render(i, lane, version, on_progress)
+        self._asked[lane].append(self._submit(job, then))
         self._tell("start", i, lane, "render")
 
     def _on_timeout(self, lane: str) -> None:
@@ -194,27 +144,19 @@ class Session:
                 self._compare(i, a, b)
 
     def _judge(self, i: int) -> None:
-        source, settings = self._sources[i], self._settings
         made = {lane: self._rendered[i, lane] for lane in self._lanes}
-        exhibits = [
-            judging.Exhibit(lane, self._pixels(i, lane), entry["half_step"] + settings.tolerance)
-            for lane, entry in made.items()
-            if entry["status"] == "ok"
-        ]
-        if not exhibits:
+        half_steps = {
+            lane: entry["half_step"] for lane, entry in made.items() if entry["status"] == "ok"
+        }
+        if not half_steps:
             self._on_judged(i, record.not_judged("no image of any renderer"), news=False)
             return
-        limit = settings.timeout_s
-        task = Task(judging.judge_files, "judge", rank=-1, timeout_s=limit, label="judging")
 
         def then(future: Future[Any]) -> None:
             error = future.exception()
             self._on_judged(i, record.not_judged(record.told(error)) if error else future.result())
 
-        places = {lane: self._place(i, self._files[lane]) for lane in self._lanes}
-        readings = dict(settings.options.readings)
-        arguments = (readings, exhibits, settings.options.threads, places, package_version())
-        self._submit(task, (source.scene, *arguments), then)
+        self._submit(self._orders.judge(i, half_steps), then)
 
     def _on_judged(self, i: int, made: dict[str, Any], news: bool = True) -> None:
         self._judged[i] = made
@@ -227,22 +169,13 @@ class Session:
             reason = f"no image of {' and '.join(without)}"
             self._on_compared(i, a, b, record.not_compared(reason), news=False)
             return
-        task = Task(
-            store.compare_files,
-            affinity="compare",
-            rank=-1,
-            timeout_s=self._settings.timeout_s,
-            label=f"the comparison of {a} with {b}",
-        )
 
         def then(future: Future[Any]) -> None:
             error = future.exception()
             made = record.not_compared(record.told(error)) if error else future.result()
             self._on_compared(i, a, b, made)
 
-        place = self._place(i, f"{self._files[a]}-{self._files[b]}")
-        files = self._pixels(i, a), self._pixels(i, b)
-        self._submit(task, (*files, place, package_version()), then)
+        self._submit(self._orders.compare(i, a, b), then)
 
     def _on_compared(self, i: int, a: str, b: str, made: dict[str, Any], news: bool = True) -> None:
         self._compared[i, a, b] = made
@@ -251,8 +184,7 @@ class Session:
 
     def _forget_pixels_once_used(self, i: int) -> None:
         if i in self._judged and all((i, *pair) in self._compared for pair in self._pairs):
-            for lane in self._lanes:
-                self._pixels(i, lane).unlink(missing_ok=True)
+            self._orders.forget_pixels(i)
 
     def _step(self, i: int, lane: str, what: str, trouble: str) -> None:
         self._done += 1
@@ -269,13 +201,7 @@ class Session:
     ) -> None:
         name = "" if i is None else self._sources[i].name
         event = Event(kind, name, lane, what, self._done, self._total, message, fraction)
-        self._settings.observe(event)
-
-    def _pixels(self, i: int, lane: str) -> Path:
-        return self._settings.pixels / f"{i}-{self._files[lane]}.npy"
-
-    def _place(self, i: int, stem: str) -> store.Place:
-        return store.Place(self._settings.root, f"images/{self._folders[i]}/{stem}")
+        self._observe(event)
 
     def _scene(self, i: int) -> dict[str, Any]:
         renderers = [

@@ -12,8 +12,9 @@ from typing import Any
 
 from crosstrace.harness.jobs import WorkerPool, available_cores
 from crosstrace.harness.lanes import LANES
+from crosstrace.harness.orders import Settings
 from crosstrace.harness.publish import publish, workspace
-from crosstrace.harness.schedule import Event, Session, Settings
+from crosstrace.harness.schedule import Event, Session
 from crosstrace.harness.sources import Source, from_scenes
 from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene
@@ -66,10 +67,11 @@ def run(
             threads=threads, readings=dict(options.readings), precision=options.precision
         )
         settings = Settings(
-            options.lanes, built, pixels, rendering, options.timeout_s,
-            events or (lambda _: None), options.tolerance,
-        )  # fmt: skip
-        report = Session(from_scenes(scenes, options.size), settings, pool).run()
-        report["run"] |= {"jobs": slots, "seconds": time.perf_counter() - started}
+            options.lanes, built, pixels, rendering, options.timeout_s, options.tolerance
+        )
+        observe = events or (lambda _: None)
+        report = Session(from_scenes(scenes, options.size), settings, pool, observe).run()
+        size = list(options.size) if options.size else None
+        report["run"] |= {"jobs": slots, "size": size, "seconds": time.perf_counter() - started}
         publish(built, Path(out), report)
     return report

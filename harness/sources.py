@@ -14,8 +14,8 @@ from crosstrace.translators.course import load
 from crosstrace.translators.errors import UsageError
 from crosstrace.translators.scene import Scene
 
-#: Packaged collections: the course's names, and numerically hard scenes.
-COURSE, HARD = "course", "hard"
+#: Packaged collections: the course's names, numerically hard scenes, and scenes to measure with.
+COURSE, HARD, BENCH = "course", "hard", "bench"
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,11 @@ def packaged_names() -> tuple[str, ...]:
 def hard_names() -> tuple[str, ...]:
     """Return the names of the packaged hard scenes, in the order of their index."""
     return tuple(_index(HARD))
+
+
+def bench_names() -> tuple[str, ...]:
+    """Return the names of the packaged scenes to measure with; no suite has them."""
+    return tuple(_index(BENCH))
 
 
 def all_packaged_names() -> tuple[str, ...]:
@@ -112,7 +117,7 @@ def _named(scene: Scene) -> Source:
 
 def _packaged(name: str) -> tuple[str, dict[str, Any]] | None:
     """Return the collection and the index entry of a packaged scene."""
-    for collection in (COURSE, HARD):
+    for collection in (COURSE, HARD, BENCH):
         entry = _index(collection).get(name)
         if entry is not None:
             return collection, entry
@@ -140,7 +145,7 @@ def _sources(text: str, delivery: int | None) -> list[Source]:
         return [_from_file(path, delivery)]
     found = _packaged(text)
     if found is None:
-        known = ", ".join(all_packaged_names())
+        known = ", ".join((*all_packaged_names(), *bench_names()))
         raise UsageError(
             f"{text}: expected a scene file, a folder or a packaged scene ({known}), found neither"
         )

@@ -78,13 +78,24 @@ class Entry:
 
 @dataclass(frozen=True)
 class Event:
-    """A job that ended: of which scene, by what; `failed` where it gave no result."""
+    """A job that ended: of which scene, by what; `failed` where it gave no result.
+
+    `stage` names the part of the work that it belongs to.
+    """
 
     done: int
     total: int
     scene: str
     what: str
     failed: str = ""
+    stage: str = ""
+
+    @property
+    def progress(self) -> tuple[int, int, str, bool]:
+        """Steps done, of how many, what ended in words, and whether it failed."""
+        text = f"{self.scene} {self.what}".strip()
+        text += f": {self.failed}" if self.failed else ""
+        return self.done, self.total, text, bool(self.failed)
 
 
 def entries(sources: Sequence[Source], size: tuple[int, int] | None) -> list[Entry]:
@@ -110,7 +121,8 @@ def study(todo: Sequence[Entry], options: Options) -> Iterator[Event]:
         for done, future in enumerate(as_completed(jobs), 1):
             entry, lane = jobs[future]
             failed = _keep(entry, lane, future)
-            yield Event(done, len(jobs), entry.source.name, lane or "rungs", failed)
+            stage = "relations" if lane else "rungs"
+            yield Event(done, len(jobs), entry.source.name, lane, failed, stage)
 
 
 def exit_status(done: Sequence[Entry]) -> int:

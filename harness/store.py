@@ -15,9 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.harness import colormap, images, record, tasks
+from crosstrace.harness import colormap, images, maps, record, tasks
+from crosstrace.harness.flip import flip
 from crosstrace.harness.lanes import loaded
 from crosstrace.harness.metrics import difference, measure, pixel_difference
+from crosstrace.harness.spread import quantile, spread
 from crosstrace.harness.ssim import similarity
 from crosstrace.translators.renderer import Progress, RenderOptions
 from crosstrace.translators.scene import Scene
@@ -84,26 +86,32 @@ def compare_files(a: Path, b: Path, place: Place, version: str) -> dict[str, Any
     alike = similarity(first, second)
     per_pixel = pixel_difference(difference(first, second))
     names = {"crosstrace:version": version}
+    layers = {"difference": maps.difference(first, second), "digits": maps.digits(first, second)}
     pictures = {"difference": colormap.difference_picture(per_pixel)}
     if alike.map is not None:
         pictures["ssim"] = colormap.similarity_picture(alike.map)
+        layers["unlike"] = maps.unlike(alike.map)
+    maps.write(place.file(".maps.npz"), layers)
+    drawn = {
+        kind: _picture(place, f".{kind}.png", picture, names) for kind, picture in pictures.items()
+    }
     return {
         "max": numbers.max,
         "mean": numbers.mean,
         "bias": numbers.bias,
         "rmse": numbers.rmse,
         "psnr": numbers.psnr,
+        "p999": quantile(per_pixel),
         "ssim": alike.mean,
+        "flip": flip(first, second),
         **numbers.over,
         "pixels": numbers.pixels,
         "differing": numbers.differing,
         "nonfinite": numbers.nonfinite,
         "worst": [asdict(pixel) for pixel in numbers.worst],
         "message": "",
-        "images": {
-            kind: _picture(place, f".{kind}.png", picture, names)
-            for kind, picture in pictures.items()
-        },
+        "spread": spread(per_pixel),
+        "images": {**drawn, "maps": place.entry(".maps.npz")},
     }
 
 

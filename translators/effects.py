@@ -4,18 +4,33 @@ The names are the steps of the specification: `flat` (delivery 1), the three ter
 (`ambient`, `diffuse`, `specular`), `shadows` (3.2), `reflection` and `refraction` (4.1, 4.2), and
 `total_reflection` (the end of 4.2). An effect is called for where the scene's numbers let it change
 a pixel: a specular term needs ks > 0 and a light that is not black, a reflection needs kr > 0 and a
-depth that allows a secondary ray.
+depth that allows a secondary ray. Under the default readings it also counts what a ray of the view
+can get to (`reach.py`): an object that none meets calls for nothing, though it may throw a shadow,
+and one that is met only by the last ray that the depth allows calls for no other ray.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.translators.scene import KA, KD, KR, KS, KT, N, Scene
+from crosstrace.translators import reach
+from crosstrace.translators.readings import deviating
+from crosstrace.translators.scene import (
+    DEFAULT_MATERIAL,
+    ETA,
+    KA,
+    KD,
+    KR,
+    KS,
+    KT,
+    Delivery,
+    N,
+    Scene,
+)
 
 #: In the order of the bits of a mask.
 EFFECTS = (
@@ -44,6 +59,11 @@ def names(mask: int) -> tuple[str, ...]:
     return tuple(name for name in EFFECTS if mask & BIT[name])
 
 
+def of_delivery(delivery: int) -> frozenset[str]:
+    """Return the effects that a delivery knows: what a renderer is given that leaves none out."""
+    return frozenset({"flat"}) if delivery == 1 else frozenset(EFFECTS) - {"flat"}
+
+
 def mask(effect_names: frozenset[str] | tuple[str, ...]) -> int:
     """Return the mask of some effect names; KeyError for an unknown one."""
     return sum(BIT[name] for name in set(effect_names))
@@ -52,8 +72,10 @@ def mask(effect_names: frozenset[str] | tuple[str, ...]) -> int:
 def effects(scene: Scene, readings: Mapping[str, str] | None = None) -> SceneEffects:
     """Work out the effects of a scene, under readings of the specification where any are given."""
     n = len(scene)
+    is_met, sends_on = _met(scene, not deviating(readings or {}))
     if scene.delivery == 1:
-        return SceneEffects(BIT["flat"] if n else 0, np.full(n, BIT["flat"], np.uint16))
+        flat = np.where(is_met, np.uint16(BIT["flat"]), np.uint16(0))
+        return SceneEffects(int(np.bitwise_or.reduce(flat, initial=0)), flat)
     material, color = scene.material, scene.color
     light = scene.lights[:, :3].max(axis=0, initial=0.0)
     readings = readings or {}
@@ -80,8 +102,41 @@ def effects(scene: Scene, readings: Mapping[str, str] | None = None) -> SceneEff
     }
     objects = np.zeros(n, np.uint16)
     for name, where in called_for.items():
-        objects[where] |= BIT[name]
+        after = name in ("reflection", "refraction", "total_reflection")
+        objects[where & (sends_on if after else is_met)] |= BIT[name]
     return SceneEffects(int(np.bitwise_or.reduce(objects, initial=0)), objects)
+
+
+def needed(scene: Scene, called_for: SceneEffects) -> Scene:
+    """Return a scene of the same image with nothing in it that no called-for effect reads.
+
+    Coefficients of effects that are not called for are 0, eta and n then 1, unread colours black;
+    lights without colour are gone.
+    """
+    if scene.delivery == 1:
+        return scene
+    material, color = scene.material.copy(), scene.color.copy()
+    by_effect = {"ambient": KA, "diffuse": KD, "specular": KS, "reflection": KR, "refraction": KT}
+    off = {name: (called_for.objects & np.uint16(BIT[name])) == 0 for name in EFFECTS}
+    for name, column in by_effect.items():
+        material[off[name], column] = 0.0
+    unread = DEFAULT_MATERIAL[3]
+    material[off["specular"], ETA] = unread[ETA]
+    material[off["refraction"] & off["total_reflection"], N] = unread[N]
+    color[off["ambient"] & off["diffuse"]] = 0.0
+    lights = scene.lights[(scene.lights[:, :3] > 0).any(axis=1)]
+    return replace(scene, material=material, color=color, lights=lights)
+
+
+def _met(scene: Scene, sharply: bool) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Say which objects a ray may meet, and which while the depth still allows another ray."""
+    n = len(scene)
+    if not sharply or n == 0:
+        return np.ones(n, bool), np.ones(n, bool)
+    sends = (scene.material[:, KR] > 0) | (scene.material[:, KT] > 0)
+    bounces = reach.bounces(scene, sends & (scene.delivery == Delivery.WHITTED))
+    met: NDArray[np.bool_] = bounces < reach.NEVER
+    return met, bounces < scene.max_depth
 
 
 _DEPTH_SHIFT = {"minus-one": -1, "plus-one": 1}

@@ -26,7 +26,7 @@ class Entry:
     `situation` says in words where it applies; `bound` is the greatest error on linear float where
     one is known; `objects` are the indices concerned (empty: the whole image); `readings` are the
     names of the emulation's readings that reproduce it, or ``scene`` where its numbers do (empty:
-    nothing does).
+    nothing does). Only hits at least `beyond` world units away are concerned.
     """
 
     effect: str
@@ -35,6 +35,7 @@ class Entry:
     bound: float | None = None
     objects: tuple[int, ...] = ()
     readings: tuple[str, ...] = ()
+    beyond: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -68,8 +68,10 @@ def deviating(readings: Mapping[str, str]) -> dict[str, str]:
     return {name: value for name, value in readings.items() if value != defaults.get(name)}
 
 
-def only_default(readings: Mapping[str, str], lane: str) -> None:
-    """Raise UnsupportedSceneError where a lane that has no readings is asked for one."""
+def only_default(readings: Mapping[str, str], lane: str, tolerance: float = 0.0) -> None:
+    """Raise UnsupportedSceneError where a lane without readings or pruning is asked for one."""
+    if tolerance:
+        raise UnsupportedSceneError(f"{lane} traces every ray, found a tolerance of {tolerance:g}")
     if other := deviating(readings):
         listed = ", ".join(f"{name}={value}" for name, value in other.items())
         raise UnsupportedSceneError(f"{lane} renders the default readings only, found {listed}")

@@ -11,6 +11,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -161,7 +162,7 @@ class Scene:
             self.kind, self.color, self.material, self.geometry, self.ambient, self.lights,
         )  # fmt: skip
 
-    @property
+    @cached_property
     def sha256(self) -> str:
         """Content hash: of the numbers alone, so that spelling, layout and names do not count."""
         digest = hashlib.sha256(b"crosstrace scene 1\0")

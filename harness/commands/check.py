@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,8 +20,7 @@ if TYPE_CHECKING:
 @options.reference
 @click.option("-o", "--output", metavar="DIR", type=click.Path(path_type=Path),
               help="Keep the report of this run, and check.json.")  # fmt: skip
-@click.option("--junit", metavar="FILE", type=click.Path(path_type=Path),
-              help="Write the outcome as JUnit XML.")  # fmt: skip
+@options.junit
 @click.option("--faults", is_flag=True,
               help="Prove the suite: plant faults, and say which are caught.")  # fmt: skip
 @options.renderers
@@ -64,9 +62,8 @@ def command(
     from crosstrace.harness.session import RunOptions
 
     lanes = chosen(renderers)
-    how = RunOptions(lanes, jobs or 0, threads, timeout)
+    how = RunOptions(lanes, jobs or 0, threads, timeout, size=size)
     if faults:
-        how = replace(how, size=size)
         return _plant(scenes, (reference, junit), delivery, how, output, as_json, quiet)
     if junit is not None:
         options.check_target(junit)
@@ -115,11 +112,7 @@ def _write(checked: dict[str, Any], output: Path | None, junit: Path | None) -> 
     if junit is not None:
         files[junit] = document(checked)
     for path, content in files.items():
-        images.write_atomically(path, partial(_save, content=content))
-
-
-def _save(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
+        images.write_atomically(path, partial(images.save_bytes, content=content))
 
 
 def _print(checked: dict[str, Any], quiet: bool) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +11,7 @@ from crosstrace.harness.commands import options
 
 if TYPE_CHECKING:
     from crosstrace.harness.comparison import Comparison
+    from crosstrace.harness.row_files import RowsOfFile
     from crosstrace.translators.scene import Scene
 
 _LABELS = {
@@ -47,11 +48,14 @@ def command(
 
     8-bit values v are taken as v / 255. The formats are those of `render`.
     """
-    from crosstrace.harness.comparison import compare
+    from crosstrace.harness.comparison import compare_rows
+    from crosstrace.harness.row_files import reading
 
     known = None if scene is None else options.one_scene(scene, delivery, size).scene
-    first, second = (_image(path, known) for path in (a, b))
-    compared = compare(first, second, known)
+    with reading(a) as first, reading(b) as second:
+        for path, image in ((a, first), (b, second)):
+            _check_origin(path, image, known)
+        compared = compare_rows(first, second, known)
     if as_json:
         about = None if known is None else {"name": known.name, "sha256": known.sha256}
         console.json_result({"a": a, "b": b, "scene": about, **compared.record()})
@@ -59,15 +63,13 @@ def command(
     _print(compared)
 
 
-def _image(path: str, scene: Scene | None) -> Any:
-    from crosstrace.harness.images import PREFIX, read_with_metadata
+def _check_origin(path: str, image: RowsOfFile, scene: Scene | None) -> None:
+    from crosstrace.harness.images import PREFIX
     from crosstrace.translators.errors import UsageError
 
-    image, metadata = read_with_metadata(path)
-    made_of = metadata.get(PREFIX + "scene_sha256")
+    made_of = image.metadata.get(PREFIX + "scene_sha256")
     if scene is not None and made_of not in (None, scene.sha256):
         raise UsageError(f"{path}: expected an image of {scene.name}, found one of another scene")
-    return image
 
 
 def _print(compared: Comparison) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,6 +11,7 @@ from crosstrace.harness import console
 from crosstrace.harness.commands import options
 
 if TYPE_CHECKING:
+    from crosstrace.harness.sources import Source
     from crosstrace.translators.effects import SceneEffects
     from crosstrace.translators.scene import Scene
 
@@ -20,26 +21,49 @@ _MOST_ROWS = 200
 
 @click.command("effects")
 @click.argument("scene")
+@click.option("--prove", is_flag=True, help="Render with and without what is left out: the "
+              "images must be the same; say what it saves.")  # fmt: skip
+@click.option("--repeat", type=click.IntRange(1), default=3, show_default=True,
+              help="Runs of --prove, of which times are medians.")  # fmt: skip
+@options.renderers
 @options.settings
 @options.scene_options
+@options.threads
+@options.timeout
 @options.as_json
+@options.quiet
 def command(
     scene: str,
+    prove: bool,
+    repeat: int,
+    renderers: str | None,
     settings: tuple[str, ...],
     size: tuple[int, int] | None,
     delivery: int | None,
+    threads: int,
+    timeout: float,
     as_json: bool,
-) -> None:
-    """Say which effects SCENE calls for, and which are therefore left out."""
+    quiet: bool,
+) -> int:
+    """Say which effects SCENE calls for, and which are therefore left out.
+
+    With --prove every renderer draws SCENE with and without them. The exit status is 1 where the
+    images differ, 3 where a renderer is missing or failed.
+    """
     from crosstrace.translators.effects import EFFECTS, effects, names
+    from crosstrace.translators.errors import UsageError
 
     _, readings = options.split_settings(settings)
+    if prove and readings:
+        raise UsageError("--prove: expected no --set, as most renderers take the defaults only")
     source = options.one_scene(scene, delivery, size)
     called_for = effects(source.scene, readings)
     left_out = [name for name in EFFECTS if name not in called_for.names]
+    proof = _prove(source, renderers, repeat, threads, timeout, quiet) if prove else []
     if not as_json:
         _print(source.name, source.scene, called_for, left_out)
-        return
+        _print_proof(proof)
+        return _status(proof)
     texts = {mask: list(names(mask)) for mask in set(called_for.objects.tolist())}
     kinds = source.scene.is_sphere.tolist()
     console.json_result(
@@ -54,7 +78,77 @@ def command(
                 for i, mask in enumerate(called_for.objects.tolist())
             ],
         }
+        | (_proof_record(proof) if prove else {})
     )
+    return _status(proof)
+
+
+def _prove(
+    source: Source, renderers: str | None, repeat: int, threads: int, timeout: float, quiet: bool
+) -> list[dict[str, Any]]:
+    from crosstrace.harness.lanes import chosen
+    from crosstrace.harness.proof import prove
+    from crosstrace.translators.renderer import RenderOptions
+
+    lanes, how = chosen(renderers), RenderOptions(threads, timeout_s=timeout)
+    with console.progress(quiet, f"{source.name} with and without", counted=False) as bar:
+
+        def told(lane: str, share: float) -> None:
+            bar.update((lanes.index(lane) + share) / len(lanes), 1.0)
+
+        return prove(source.scene, lanes, how, repeat, told)
+
+
+def _proof_record(proof: list[dict[str, Any]]) -> dict[str, Any]:
+    done = [lane for lane in proof if lane["status"] == "ok"]
+    return {
+        "identical": bool(done) and all(lane["equal"] for lane in done),
+        "saved_seconds": {lane["name"]: lane["saved_seconds"] for lane in done},
+        "renderers": proof,
+    }
+
+
+def _status(proof: list[dict[str, Any]]) -> int:
+    from crosstrace.harness.outcome import DISAGREES, OK, RENDERER_FAILED
+
+    if any(lane["status"] == "ok" and not lane["equal"] for lane in proof):
+        return DISAGREES
+    return OK if all(lane["status"] in ("ok", "unsupported") for lane in proof) else RENDERER_FAILED
+
+
+def _print_proof(proof: list[dict[str, Any]]) -> None:
+    if not proof:
+        return
+    rows = []
+    for lane in proof:
+        if lane["status"] != "ok":
+            rows.append((lane["name"], lane["status"], "", "", ""))
+            continue
+        said = "identical" if lane["identical"] else "equal" if lane["equal"] else "DIFFERENT"
+        times = (*lane["seconds"].values(), lane["saved_seconds"])
+        rows.append((lane["name"], said, *(f"{1e3 * it:.1f}" for it in times)))
+    console.result("")
+    numbers = ("gated ms", "ungated ms", "saved ms")
+    console.table(("renderer", "images", *numbers), rows, right=numbers)
+    done = [lane for lane in proof if lane["status"] == "ok"]
+    for title, key in (
+        ("costs (ms)", "cost_seconds"),
+        ("left out, saves (ms)", "left_out_seconds"),
+    ):
+        effects = dict.fromkeys(name for lane in done for name in lane[key])
+        if not effects:
+            continue
+        lines = [(name, *(_milliseconds(lane[key][name]) for lane in done)) for name in effects]
+        names = tuple(lane["name"] for lane in done)
+        console.result("")
+        console.table((title, *names), lines, right=names)
+    for lane in proof:
+        if lane["status"] != "ok":
+            console.result(f"{lane['name']}: {lane['message']}")
+
+
+def _milliseconds(seconds: float | None) -> str:
+    return "not alone" if seconds is None else f"{1e3 * seconds:+.1f}"
 
 
 def _print(name: str, scene: Scene, called_for: SceneEffects, left_out: list[str]) -> None:

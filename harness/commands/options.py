@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -34,6 +35,18 @@ reference = click.option(
 precision = click.option(
     "--precision", default="f64", show_default=True, help="Arithmetic of native."
 )
+sampling = click.option(
+    "--sampling", default="centre", show_default=True, metavar="HOW",
+    help="Samples of a pixel: centre, regular:K, jittered:K[:SEED] or adaptive:K, K a side.",
+)  # fmt: skip
+tuning = click.option(
+    "--tune", "tuning", multiple=True, metavar="NAME=VALUE",
+    help="A setting of the renderer's own, such as povray's antialias=0.1; may be repeated.",
+)  # fmt: skip
+max_depth = click.option(
+    "--max-depth", type=click.IntRange(0), metavar="N",
+    help="Another number of bounces than the scene states.",
+)  # fmt: skip
 threads = click.option(
     "--threads", type=click.IntRange(0), default=0, help="Threads of the renderer; 0: all cores."
 )
@@ -41,6 +54,20 @@ timeout = click.option(
     "--timeout", type=click.FloatRange(0, min_open=True), metavar="SECONDS", default=300.0,
     show_default=True, help="Give an image up after this time.",
 )  # fmt: skip
+
+
+def _finite(context: click.Context, parameter: click.Parameter, value: float) -> float:
+    if not 0 <= value < math.inf:
+        raise click.BadParameter(f"expected a number from 0, found {value}")
+    return value
+
+
+tolerance = click.option(
+    "--tolerance", type=float, callback=_finite, default=0.0, metavar="X",
+    help="Differences that count as equal, on linear float, beside what a renderer cannot hold.",
+)  # fmt: skip
+junit = click.option("--junit", metavar="FILE", type=click.Path(path_type=Path),
+                     help="Write the outcome as JUnit XML.")  # fmt: skip
 jobs = click.option(
     "--jobs", type=click.IntRange(1), help="How much is worked on at once; default: one a core."
 )
@@ -62,6 +89,20 @@ def one_scene(text: str, delivery: int | None, size: tuple[int, int] | None) -> 
     from crosstrace.harness.sources import find_one
 
     return find_one(text, delivery=delivery, size=size)
+
+
+def deepened(source: Source, max_depth: int | None) -> Source:
+    """Return the scene with another number of bounces; raises UsageError where none are traced."""
+    from dataclasses import replace
+
+    from crosstrace.translators.errors import UsageError
+
+    if max_depth is None:
+        return source
+    if source.scene.delivery < 3:
+        raise UsageError(f"--max-depth: expected a scene of delivery 3, found {source.name}")
+    scene = replace(source.scene, max_depth=max_depth, checked=False)
+    return replace(source, scene=scene, expected=None)
 
 
 def suite(

@@ -27,35 +27,32 @@ def plant(
     sources: list[Source], how: RunOptions, output: Path | None, as_json: bool, quiet: bool
 ) -> int:
     """Plant the catalogue of faults, print the table, keep it in a folder; return the status."""
-    from crosstrace.harness import images, proof, record
+    from crosstrace.harness import fault_proof, images, record
 
     what = f"faults planted in scenes: {len(sources)}, renderers: {', '.join(how.lanes)}"
     with console.progress(quiet, what) as bar:
 
         def observe(done: int, total: int, row: Row) -> None:
-            escaped = proof.state(row.record()) == "escaped"
+            escaped = fault_proof.state(row.record()) == "escaped"
             text = f"{row.scene} {row.lane} {row.fault}" + (": not caught" if escaped else "")
             bar.update(done, total, text, escaped)
 
-        made = proof.prove(sources, how, events=observe)
+        made = fault_proof.prove(sources, how, events=observe)
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
-        images.write_atomically(output / NAME, partial(_save, record.dumps(made)))
+        content = record.dumps(made).encode()
+        images.write_atomically(output / NAME, partial(images.save_bytes, content=content))
     if as_json:
         console.json_result(made)
     else:
         _print(made, quiet)
         if output is not None and not quiet:
             console.result(f"\ntable: {output / NAME}")
-    return proof.exit_status(made)
-
-
-def _save(content: str, path: Path) -> None:
-    path.write_text(content, encoding="utf-8")
+    return fault_proof.exit_status(made)
 
 
 def _print(made: Mapping[str, Any], quiet: bool) -> None:
-    from crosstrace.harness import proof
+    from crosstrace.harness import fault_proof
 
     rows = made["rows"]
     if not quiet:
@@ -66,9 +63,9 @@ def _print(made: Mapping[str, Any], quiet: bool) -> None:
         console.result("? one failed; - it changes too little; no mark: nothing to break\n")
     for row in rows:
         who = f"{row['scene']}: {row['fault']} in {row['lane']}"
-        if proof.state(row) == "failed":
+        if fault_proof.state(row) == "failed":
             console.result(f"{who} failed: {row['error']}")
-        elif proof.state(row) == "escaped":
+        elif fault_proof.state(row) == "escaped":
             how = "blamed on another" if row["caught"] else "not caught"
             console.result(f"{who} changes {row['changed']:,} pixels and is {how}")
     counts = {key: sum(scene[key] for scene in made["scenes"]) for key in ("judged", "caught")}
@@ -94,9 +91,9 @@ def _print_table(
 
 
 def _cell(rows: Sequence[Mapping[str, Any]]) -> str:
-    from crosstrace.harness import proof
+    from crosstrace.harness import fault_proof
 
-    states = [proof.state(row) for row in rows]
+    states = [fault_proof.state(row) for row in rows]
     if "escaped" in states:
         return "!"
     if "failed" in states:

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
               help=".npy, .npz (float64), .exr, .pfm (float32), .png or .ppm (8-bit).")  # fmt: skip
 @options.settings
 @options.precision
+@click.option("--tolerance", type=click.FloatRange(0, 1e100), default=0.0, metavar="T",
+              help="Native: leave out rays that darken no channel by more than T.")  # fmt: skip
+@options.max_depth
+@options.sampling
+@options.tuning
 @click.option("--aov", is_flag=True, help="Add native's side outputs to an .npz: object, t, "
               "normal, tree, rays, contributions.")  # fmt: skip
 @click.option("--certify", is_flag=True,
@@ -40,6 +45,10 @@ def command(
     output: Path,
     settings: tuple[str, ...],
     precision: str,
+    tolerance: float,
+    max_depth: int | None,
+    sampling: str,
+    tuning: tuple[str, ...],
     aov: bool,
     certify: bool,
     size: tuple[int, int] | None,
@@ -55,29 +64,50 @@ def command(
     native's.
     """
     from crosstrace.harness import alone, images
+    from crosstrace.harness.bands import is_large
+    from crosstrace.harness.lanes import REFERENCE
+    from crosstrace.translators import sampling as samplings
+    from crosstrace.translators.readings import split
     from crosstrace.translators.renderer import RenderOptions
 
     lane = options.one_lane(lane)
     rule, readings = options.split_settings(settings)
     _check(lane, output, rule, {"--aov": aov, "--certify": certify,
-                                f"--precision {precision}": precision != "f64"})  # fmt: skip
-    source = options.one_scene(scene, delivery, size)
-    how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov)
+                                f"--precision {precision}": precision != "f64",
+                                f"--tolerance {tolerance:g}": tolerance > 0})  # fmt: skip
+    source = options.deepened(options.one_scene(scene, delivery, size), max_depth)
+    how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov,
+                        tolerance=tolerance, sampling=samplings.parse(sampling),
+                        tuning=split(tuning))  # fmt: skip
+    large = is_large(*source.scene.shape[:2]) and how.sampling == samplings.CENTRE
+    in_bands = lane == REFERENCE and not aov and not certify and large
     with console.progress(quiet, f"{source.name} by {lane}", counted=False) as bar:
-        made, peak_mib = alone.render(
-            lane, source.scene, how, progress=lambda share: bar.update(share, 1.0)
-        )
-        layers = made.layers if aov else {}
-        if certify:
-            layers |= alone.certify(source.scene, readings, timeout)
+
+        def told(share: float) -> None:
+            bar.update(share, 1.0)
+
+        if in_bands:
+            # How many rays there were is not known when the file begins.
+            settings_known = {"precision": precision, "readings": readings}
+            metadata = _texts(_about(lane, source.scene, settings_known))
+            made, peak_mib = alone.render_to_file(
+                source.scene, how, output, metadata, rule, progress=told
+            )
+        else:
+            made, peak_mib = alone.render(lane, source.scene, how, progress=told)
+            layers = made.layers if aov else {}
+            if certify:
+                layers |= alone.certify(source.scene, readings, timeout)
     described = _describe(lane, source.scene, made)
-    images.write(output, made.image, metadata=_texts(described), layers=layers or None, rule=rule)
+    if not in_bands:
+        images.write(output, made.image, metadata=_texts(described), layers=layers or None,
+                     rule=rule)  # fmt: skip
     if as_json:
         console.json_result({**described, "file": str(output), "peak_mib": peak_mib})
         return
     seconds = made.seconds
     total = seconds.startup + seconds.translate + seconds.render
-    rows, columns, _ = made.image.shape
+    rows, columns, _ = source.scene.shape
     console.note(f"{output}: {rows}x{columns}, {lane}, {total:.2f} s, {peak_mib:.0f} MiB", quiet)
 
 
@@ -102,6 +132,15 @@ def _check(lane: str, output: Path, rule: DisplayRule, asked: dict[str, bool]) -
 def _describe(lane: str, scene: Scene, made: Rendering) -> dict[str, Any]:
     from dataclasses import asdict
 
+    return {
+        **_about(lane, scene, made.settings),
+        "half_step": made.half_step,
+        "seconds": asdict(made.seconds),
+        "messages": made.messages,
+    }
+
+
+def _about(lane: str, scene: Scene, settings: dict[str, Any]) -> dict[str, Any]:
     import crosstrace
 
     return {
@@ -109,10 +148,7 @@ def _describe(lane: str, scene: Scene, made: Rendering) -> dict[str, Any]:
         "scene_sha256": scene.sha256,
         "renderer": lane,
         "crosstrace": crosstrace.__version__,
-        "settings": made.settings,
-        "half_step": made.half_step,
-        "seconds": asdict(made.seconds),
-        "messages": made.messages,
+        "settings": settings,
     }
 
 

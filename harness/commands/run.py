@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,12 @@ from crosstrace.harness.commands import options
 @options.renderers
 @options.settings
 @options.precision
+@options.tolerance
 @options.scene_options
 @options.threads
 @options.timeout
 @options.jobs
+@options.junit
 @options.as_json
 @options.quiet
 def command(
@@ -30,21 +33,25 @@ def command(
     renderers: str | None,
     settings: tuple[str, ...],
     precision: str,
+    tolerance: float,
     size: tuple[int, int] | None,
     delivery: int | None,
     threads: int,
     timeout: float,
     jobs: int | None,
+    junit: Path | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
     """Render every SCENE with every renderer, compare every two images, and report.
 
-    Leaves DIR/report.html, DIR/report.json and the images. Without a SCENE it takes the packaged
-    course scenes, which are this project's own compositions under the course's names. The exit
-    status is 1 where a renderer is wrong other than the scene's index expects, 3 where one is
-    missing or failed: the rest is in the report.
+    Leaves DIR/report.html, DIR/report.md, DIR/report.json and the images. Without a SCENE it takes
+    the packaged course scenes, which are this project's own compositions under the course's names.
+    The exit status is 1 where a renderer is wrong other than the scene's index expects, 3 where one
+    is missing or failed: the rest is in the report.
     """
+    from crosstrace.harness import images
+    from crosstrace.harness.junit import of_run
     from crosstrace.harness.lanes import chosen
     from crosstrace.harness.outcome import exit_status
     from crosstrace.harness.session import RunOptions, run
@@ -52,10 +59,15 @@ def command(
     from crosstrace.translators import readings
 
     lanes = chosen(renderers)
-    how = RunOptions(lanes, jobs or 0, threads, timeout, readings.parse(settings), precision)
+    if junit is not None:
+        options.check_target(junit)
+    how = RunOptions(lanes, jobs or 0, threads, timeout, readings.parse(settings), precision,
+                     size, tolerance)  # fmt: skip
     sources = find(scenes, delivery=delivery, size=size)
     with console.progress(quiet, f"scenes: {len(sources)}, renderers: {', '.join(lanes)}") as bar:
         report = run(sources, output, how, events=console.observer(bar))
+    if junit is not None:
+        images.write_atomically(junit, partial(images.save_bytes, content=of_run(report)))
     if as_json:
         console.json_result(report)
     else:

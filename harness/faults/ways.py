@@ -19,7 +19,7 @@ from crosstrace.harness.faults.broken import (
 from crosstrace.harness.faults.fault import Draw, Kind
 from crosstrace.harness.lanes import loaded
 from crosstrace.translators.effects import effects
-from crosstrace.translators.renderer import Rendering, RenderOptions
+from crosstrace.translators.renderer import Renderer, Rendering, RenderOptions
 from crosstrace.translators.scene import Scene
 
 Array = NDArray[np.float64]
@@ -103,10 +103,7 @@ class SdlEdit:
         self, lane: str, scene: Scene, options: RenderOptions, draw: Draw
     ) -> Rendering | None:
         """Render the tampered description."""
-        try:
-            return draw(broken_povray(self.edit), scene, options)
-        except NothingToBreakError:
-            return None
+        return _broken(broken_povray(self.edit), scene, options, draw)
 
 
 @dataclass(frozen=True)
@@ -120,7 +117,14 @@ class DocumentEdit:
         self, lane: str, scene: Scene, options: RenderOptions, draw: Draw
     ) -> Rendering | None:
         """Render the tampered document."""
-        try:
-            return draw(broken_mitsuba(lane, self.edit), scene, options)
-        except NothingToBreakError:
-            return None
+        return _broken(broken_mitsuba(lane, self.edit), scene, options, draw)
+
+
+def _broken(
+    renderer: Renderer, scene: Scene, options: RenderOptions, draw: Draw
+) -> Rendering | None:
+    """Render with what a lane writes tampered with; None where the edit changes nothing."""
+    try:
+        return draw(renderer, scene, options)
+    except NothingToBreakError:
+        return None

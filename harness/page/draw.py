@@ -1,28 +1,64 @@
-"""Draws `report.html` from a `report.json` alone: no pixels are read, no network is used.
+"""Draws `report.html` from a `report.json` and the files that it names by hash, into one file.
 
-The template shows; this file only prepares: numbers as short texts, pairs by their lanes, colours
-of the fixed scales.
+The page needs no other file and no network, and says so to the browser: its policy lets nothing be
+loaded, and only the script that was put in here run. The templates show; this file only prepares.
 """
 
 from __future__ import annotations
 
-import math
+import base64
+import hashlib
+import json
+import shlex
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
-import numpy as np
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
-from crosstrace.harness import colormap
+from crosstrace.harness import blame, colormap, maps
 from crosstrace.harness.classes import NAMES
 from crosstrace.harness.outcome import outcome, sentence
+from crosstrace.harness.page import plots
+from crosstrace.harness.page.numbers import FILTERS
+from crosstrace.harness.page.payload import Payload, payload
+from crosstrace.harness.sources import hard_names
+from crosstrace.harness.spread import EDGES, TEXTS
+
+_STYLES = ("report.css", "overview.css", "viewer.css")
+
+#: In the order in which they build on each other.
+_SCRIPTS = ("base.js", "unpack.js", "layers.js", "viewport.js", "inspector.js", "input.js",
+            "viewer.js", "playground.js", "overview.js")  # fmt: skip
+
+#: Letters of the classes, in their order: what colour says, they say, too.
+LETTERS = ("", "R", "U", "M", "S", "W")
+
+#: Pixels of a page, in bytes: what comes after so much is told to be left out. 18 scenes of 480 x
+#: 640 in four lanes take 12 million; a browser opens ten times that in some seconds.
+LARGEST_PAYLOAD = 120_000_000
+
+#: What is worth looking at first.
+_ORDER = ("departs", "incomplete", "expected", "explained", "agree")
+
+_SAYING = {
+    "departs": "not as expected",
+    "incomplete": "incomplete",
+    "expected": "wrong as expected",
+    "explained": "explained",
+    "agree": "agree",
+}
 
 
-def page(report: Mapping[str, Any]) -> str:
-    """Return the page as HTML text; `report` is a record of `record.report`."""
+def page(report: Mapping[str, Any], folder: Path) -> str:
+    """Return the page as HTML text.
+
+    `report` is a record of `record.report`, whose files are looked for in `folder`; a file that is
+    missing or another one is told on the page.
+    """
     environment = Environment(
         loader=FunctionLoader(_text),
         autoescape=True,
@@ -31,25 +67,30 @@ def page(report: Mapping[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {
-        "sig": significant,
-        "count": count,
-        "swatch": swatch,
-        "link": link,
-        "seconds": seconds,
-        "similarity": similarity,
-        "mib": lambda value: "–" if value is None else f"{value:.0f}",
-    }
+    environment.filters |= FILTERS
+    script = "\n".join(_text(name) for name in _SCRIPTS)
+    digest = base64.b64encode(hashlib.sha256(f"\n{script}\n".encode()).digest()).decode()
+    room, scenes = LARGEST_PAYLOAD, []
+    for scene in sorted(report["scenes"], key=lambda scene: _ORDER.index(_group(scene))):
+        pixels = payload(scene, folder)
+        if pixels.size > room:
+            pixels = pixels.reduced()
+        room -= pixels.size
+        scenes.append(_scene(scene, report["run"], pixels))
     return environment.get_template("report.html.j2").render(
         report=report,
-        scenes=[_scene(scene) for scene in report["scenes"]],
+        scenes=scenes,
+        groups=_groups(scenes),
         lanes=report["run"]["lanes"],
         summary=_summary(report),
-        style=Markup(_text("report.css")),
+        study=_study(report.get("study")),
+        style=Markup("\n".join(_text(name) for name in _STYLES)),
+        script=Markup(script),
+        script_hash=digest,
+        constants=_json(_constants(report, scenes)),
         gradient=colormap.css_gradient(),
-        classes=list(zip(NAMES, _css(colormap.CLASS_COLORS), strict=True)),
+        classes=list(zip(NAMES, LETTERS, _css(colormap.CLASS_COLORS), strict=True)),
         difference_ticks=colormap.difference_ticks(),
-        similarity_ticks=colormap.similarity_ticks(),
     )
 
 
@@ -57,57 +98,67 @@ def _css(colors: Iterable[tuple[int, int, int]]) -> list[str]:
     return [f"rgb({r} {g} {b})" for r, g, b in colors]
 
 
-def significant(value: float | None, digits: int = 2) -> str:
-    """Return a number in few characters: 0, 0.034, 3.4e-7; a dash for none."""
-    if value is None:
-        return "–"
-    if value == 0 or not math.isfinite(value):
-        return f"{value:g}"
-    if 1e-3 <= abs(value) < 1e5:
-        return f"{value:.{digits}g}" if abs(value) < 10 else f"{value:.{digits + 2}g}"
-    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
-    return f"{mantissa}e{int(exponent)}"
-
-
-def seconds(value: float | None) -> str:
-    """Return seconds to the millisecond, or to a tenth from ten on; a dash for none."""
-    if value is None:
-        return "–"
-    return f"{value:.3f}" if value < 10 else f"{value:.1f}"
-
-
-def similarity(value: float | None) -> str:
-    """Return an SSIM so that only exactly 1 reads as 1: 0.999964, 1 − 3e-9."""
-    if value is None or value == 1:
-        return "–" if value is None else "1"
-    return f"1 − {significant(1 - value, 1)}" if value > 1 - 5e-7 else f"{value:.6f}"
-
-
-def count(value: int | None) -> str:
-    """Return a count with thin spaces between thousands; a dash for none."""
-    return "–" if value is None else f"{value:,}".replace(",", "\u202f")
-
-
-def swatch(value: float | None) -> str:
-    """Return the colour that the difference scale gives to a value, as CSS."""
-    position = np.array([[math.nan if value is None else value]])
-    red, green, blue = colormap.difference_picture(position)[0, 0]
-    return f"rgb({red} {green} {blue})"
-
-
-def link(name: str) -> str:
-    """Return a relative file name as a URL that can be nothing else."""
-    return quote(name, safe="/")
-
-
 def _text(name: str) -> str:
     return (files("crosstrace.harness.page") / name).read_text(encoding="utf-8")
 
 
-def _scene(scene: Mapping[str, Any]) -> dict[str, Any]:
+def _json(value: Any) -> Markup:
+    """Return JSON that ends no script element, whatever names are in it."""
+    text = json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return Markup(text)
+
+
+def _constants(report: Mapping[str, Any], scenes: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return what the script must know of the scales and the judgement."""
+    return {
+        "ramp": colormap.ramp_table().tolist(),
+        "classes": list(NAMES),
+        "letters": LETTERS,
+        "classColors": colormap.CLASS_COLORS,
+        "undefinedColor": colormap.NOT_A_NUMBER,
+        "steps": maps.STEPS,
+        "leastDifference": maps.LEAST_DIFFERENCE,
+        "leastUnlike": maps.LEAST_UNLIKE,
+        "most": maps.MOST,
+        "allDigits": maps.ALL_DIGITS,
+        "undefined": maps.UNDEFINED,
+        "edges": EDGES,
+        "edgeTexts": TEXTS,
+        "suspectPixels": blame.SUSPECT_PIXELS,
+        "suspectShare": blame.SUSPECT_SHARE,
+        "undecidableShare": blame.UNDECIDABLE_SHARE,
+        "lanes": report["run"]["lanes"],
+        "scenes": [_judged(scene) for scene in scenes],
+        "tolerance": report["run"].get("tolerance", 0.0),
+    }
+
+
+def _judged(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what says how a scene would come out under another tolerance."""
+    lanes = scene["renderers"]
+    truth = scene["judgement"].get("truth") or {}
+    return {
+        "name": scene["name"],
+        "group": scene["group"],
+        "open": truth.get("undecidable", 0),
+        "violations": truth.get("float128_outside", 0),
+        "pixels": scene["v_res"] * scene["h_res"],
+        "excess": {lane["name"]: lane["excess"] for lane in lanes},
+        "undecidable": {lane["name"]: lane["classes"]["undecidable"] for lane in lanes},
+    }
+
+
+def _scene(scene: Mapping[str, Any], run: Mapping[str, Any], pixels: Payload) -> dict[str, Any]:
     lanes = {entry["name"]: entry for entry in scene["renderers"]}
     pairs = {(pair["a"], pair["b"]): pair for pair in scene["pairs"]}
     first = next(iter(lanes), None)
+    compared = [(b, pair) for (a, b), pair in pairs.items()
+                if a == first and pair["pixels"] is not None]  # fmt: skip
+    title = f"{scene['name']}: differences from {first}"
+    group = _group(scene)
+    name = scene["name"]
     return {
         **scene,
         "lanes": lanes,
@@ -115,8 +166,60 @@ def _scene(scene: Mapping[str, Any]) -> dict[str, Any]:
         "to_first": [pair for (a, _), pair in pairs.items() if a == first],
         "sentence": sentence(scene),
         "outcome": outcome(scene),
+        "group": group,
+        "saying": _SAYING[group],
         "troubles": [entry for entry in lanes.values() if entry["status"] != "ok"],
+        "picture": pixels.picture,
+        "missing": pixels.troubles,
+        "data": _json(
+            pixels.data
+            | {
+                "name": name,
+                "tolerances": {lane: entry["tolerance"] for lane, entry in lanes.items()},
+                "ledger": {lane: entry["ledger"] for lane, entry in lanes.items()},
+                "command": _command(scene, run),
+            }
+        ),
+        "curves": plots.curves(title, compared) if compared else "",
+        "histogram": plots.histogram(title, compared) if compared else "",
+        "slowest": max((_seconds(entry) for entry in lanes.values()), default=0.0),
     }
+
+
+def _seconds(entry: Mapping[str, Any]) -> float:
+    return sum(value or 0.0 for value in entry["seconds"].values())
+
+
+def _group(scene: Mapping[str, Any]) -> str:
+    found = outcome(scene)
+    if found != "fine":
+        return found
+    return scene["verdict"] if scene["verdict"] in ("explained", "agree") else "expected"
+
+
+def _groups(scenes: Iterable[Mapping[str, Any]]) -> list[tuple[str, str, int]]:
+    counted = Counter(scene["group"] for scene in scenes)
+    return [(group, _SAYING[group], counted[group]) for group in _ORDER if counted[group]]
+
+
+def _command(scene: Mapping[str, Any], run: Mapping[str, Any]) -> dict[str, str]:
+    """Return the parts of a line that explains a pixel: before its row and column, and after."""
+    # Where a file of the user's stands is not in the record.
+    by_name = scene["packaged"] or scene["name"] in hard_names()
+    name = scene["name"] if by_name else f"{scene['name']}.txt"
+    options = [f"--set {shlex.quote(f'{k}={v}')}" for k, v in run["readings"].items()]
+    if run.get("size"):
+        options.append(f"--size {scene['v_res']}x{scene['h_res']}")
+    return {"start": f"crosstrace explain {shlex.quote(name)}", "end": " ".join(options)}
+
+
+def _study(study: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """Return a study with its picture as an image: markup of a record's is never put in as such."""
+    if study is None:
+        return None
+    encoded = base64.b64encode(study.get("svg", "").encode()).decode()
+    picture = f"data:image/svg+xml;base64,{encoded}" if encoded else ""
+    return {**study, "picture": picture}
 
 
 def _summary(report: Mapping[str, Any]) -> dict[str, Any]:
@@ -125,21 +228,15 @@ def _summary(report: Mapping[str, Any]) -> dict[str, Any]:
     for about in report["environment"]["renderers"]:
         mine = [entry for entry in entries if entry["name"] == about["name"]]
         done = [entry for entry in mine if entry["status"] == "ok"]
-        lanes.append(
-            {
-                **about,
-                "wanted": len(mine),
-                "done": len(done),
-                "startup": sum(entry["seconds"]["startup"] for entry in done),
-                "translate": sum(entry["seconds"]["translate"] for entry in done),
-                "render": sum(entry["seconds"]["render"] for entry in done),
-                "peak_mib": max((entry["peak_mib"] for entry in done), default=None),
-            }
-        )
-    done = sum(lane["done"] for lane in lanes)
+        stages = {
+            stage: sum(entry["seconds"][stage] or 0.0 for entry in done)
+            for stage in ("startup", "translate", "render")
+        }
+        peak = max((entry["peak_mib"] for entry in done), default=None)
+        lanes.append({**about, "wanted": len(mine), "done": len(done), **stages, "peak_mib": peak})
     return {
         "lanes": lanes,
-        "images": done,
+        "images": sum(lane["done"] for lane in lanes),
         "wanted": len(entries),
         "incomplete": sum(
             scene["verdict"] == "incomplete"

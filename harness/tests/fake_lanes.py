@@ -163,3 +163,16 @@ class Moody(Plain):
         number, n_pixels = Path(os.environ["CROSSTRACE_TEST_MOOD"]).read_text().split()
         made.image.reshape(-1, 3)[: int(n_pixels)] += float(number)
         return made
+
+
+class Forgetful(Gradient):
+    """Draws another picture where it is left to choose the effects itself."""
+
+    def render(
+        self, scene: Scene, options: RenderOptions, progress: Progress | None = None
+    ) -> Rendering:
+        """Paint, a little brighter with all effects."""
+        made = super().render(scene, options, progress)
+        if options.effects is not None and len(options.effects) > 6:
+            made.image = made.image + 2.0**-40
+        return made

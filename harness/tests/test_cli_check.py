@@ -27,7 +27,7 @@ def test_a_suite_of_ones_own_is_blessed_checked_and_told_when_it_changes(tmp_pat
     """Scenes and goldens in one folder: 0 as long as all is as it was, 1 for another scene."""
     words = suite(tmp_path)
     assert sorted(p.name for p in (tmp_path / "suite").iterdir()) == [
-        "tiny.json", "tiny.npz", "tiny.txt",
+        "VERDICTS.md", "tiny.json", "tiny.npz", "tiny.txt",
     ]  # fmt: skip
     files = ("--junit", "junit.xml", "-o", "report", "--json")
     done = call("check", *words, *files, cwd=tmp_path)

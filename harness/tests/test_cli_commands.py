@@ -196,8 +196,23 @@ def test_run_leaves_a_report_and_prints_the_same_record(scene: Path, tmp_path: P
     (entry,) = record["scenes"]
     assert [lane["name"] for lane in entry["renderers"]] == ["native", "mitsuba-f64"]
     assert (out / "report.html").is_file()
+    assert (out / "report.md").read_text(encoding="utf-8").startswith("### crosstrace")
     table = call("run", scene, "-o", out, "--renderers", "native,mitsuba-f64").stdout
     assert "mitsuba-f64" in table and str(out / "report.html") in table
+
+
+def test_run_takes_a_tolerance_and_writes_junit(scene: Path, tmp_path: Path) -> None:
+    """The tolerance stands in the record; only a finite one from 0 is taken."""
+    out, junit = tmp_path / "out", tmp_path / "junit.xml"
+    words = ("run", scene, "-o", out, "--renderers", "native", "--size", "6x8")
+    done = call(*words, "--tolerance", "1.5e-7", "--junit", junit, "--json")
+    assert done.returncode == 0, done.stderr
+    made = json.loads(done.stdout)["run"]
+    assert (made["tolerance"], made["size"]) == (1.5e-7, [6, 8])
+    assert b"crosstrace run" in junit.read_bytes()
+    for wrong in ("-1", "nan", "inf", "x"):
+        refused = call(*words, "--tolerance", wrong)
+        assert refused.returncode == 2 and "Traceback" not in refused.stderr
 
 
 def test_run_without_a_renderer_says_so_and_reports_the_rest(scene: Path, tmp_path: Path) -> None:

@@ -1,11 +1,15 @@
-"""A check as JUnit XML: what counts as a failure and what as an error."""
+"""A check and a run as JUnit XML: what counts as a failure and what as an error."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from small_runs import sky
+
 from crosstrace.harness import junit
+from crosstrace.harness.session import RunOptions, run
 
 
 def change(text: str, fails: bool, lane: str = "") -> dict[str, Any]:
@@ -71,3 +75,21 @@ def test_what_xml_cannot_hold_is_replaced() -> None:
     record = checked(changes=[change(text, True)], name=text)
     failure = cases(record)["verdict"].find("failure")
     assert failure is not None and failure.get("message") == 'a?b?[31m<&"?é\U0001f600'
+
+
+def test_a_run_fails_where_a_scene_departs_and_in_the_lanes_to_blame(tmp_path: Path) -> None:
+    """An absent renderer is an error, and what is only not equal a note."""
+    plain, ramp, absent = (f"fake_lanes:{name}" for name in ("Plain", "Gradient", "Absent"))
+    report = run([sky()], tmp_path / "out", RunOptions((plain, ramp, absent), jobs=2, timeout_s=60))
+    root = ElementTree.fromstring(junit.of_run(report))
+    assert root.get("name") == "crosstrace run"
+    found = {case.get("name", ""): case for case in root.iter("testcase")}
+    assert list(found) == ["verdict", plain, ramp, absent]
+    for name, fails in (("verdict", True), (plain, False), (ramp, True)):
+        assert (found[name].find("failure") is not None) == fails
+    assert found[absent].find("error") is not None
+    assert (root.get("failures"), root.get("errors")) == ("2", "1")
+    report["scenes"][0]["expected"] = {"verdict": "disagree", "blame": [ramp], "cause": "a ramp"}
+    calm = ElementTree.fromstring(junit.of_run(report))
+    assert calm.get("failures") == "0"
+    assert "192 wrong" in "".join(calm.itertext())

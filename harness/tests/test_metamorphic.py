@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crosstrace.harness import alone, metamorphic
-from crosstrace.harness.arithmetics import arithmetics
+from crosstrace.harness.arithmetics import ways
 from crosstrace.harness.metamorphic import Outcome, check
 from crosstrace.harness.sources import find_one, hard_names
 from crosstrace.native import _core
@@ -110,6 +110,7 @@ def test_bounds_grow_with_the_unit_of_the_arithmetic() -> None:
 
 def test_every_lane_says_how_it_computes() -> None:
     """Each has at least one arithmetic under its own name, native one for every precision."""
-    assert [way.precision for way in arithmetics("native")] == _core.precisions()
+    some = scene("sinuca")
+    assert [way.precision for way in ways("native", some)] == _core.precisions()
     for lane in ("mitsuba", "mitsuba-f64", "povray"):
-        assert [way.lane for way in arithmetics(lane)] == [lane]
+        assert [way.lane for way in ways(lane, some)] == [lane]

@@ -15,7 +15,13 @@ EXPECTED = {"verdict": "disagree", "blame": ["b"], "cause": "float32 spheres los
 def lane(name: str, regions: list[dict[str, Any]] | None = None, **counts: int) -> dict[str, Any]:
     classes = {**dict.fromkeys(NAMES, 0), "equal": 100, **counts}
     found = regions or []
-    return {"name": name, "classes": classes, "regions": found, "n_regions": len(found)}
+    return {
+        "name": name,
+        "classes": classes,
+        "regions": found,
+        "n_regions": len(found),
+        "declared": [],
+    }
 
 
 def scene(verdict: str, *lanes: dict[str, Any], **more: Any) -> dict[str, Any]:

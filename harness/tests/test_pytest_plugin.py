@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 from command_line import NO_POVRAY, SCENE, python
+from small_runs import EMPTY
 
 pytest_plugins = ["pytester"]
 
 #: A scene of its background alone.
-EMPTY = "12 16 1 10  0 0 10  0 0 0  0 1 0  0 128 255  0\n"
-
 OPTIONS = ("-p", "no:cacheprovider", "-p", "no:timeout", "-p", "no:hypothesispytest")
 
 

@@ -93,7 +93,7 @@ def test_an_image_missing_makes_a_scene_incomplete_and_never_hides_a_fault() -> 
     source = Source("a", _scene(objects=[plane([1, 1, 1], [0, 0, 0], [0, 1, 0])]))
     x = {"name": "x", "status": "ok"}
     missing = {"name": "y", **record.failed(RendererError("no"))}
-    fine = {"message": "", "verdict": "explained", "blame": [], "lanes": {}}
+    fine = {"message": "", "verdict": "explained", "blame": [], "lanes": {}, "images": {}}
     wrong = {**fine, "verdict": "disagree", "blame": ["x"]}
     pair = record.not_compared("no image of y")
     cases = (

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_runs import sky
 
 from crosstrace.harness.goldens import Reference, located
 from crosstrace.harness.jobs import WorkerPool
@@ -18,7 +19,6 @@ from crosstrace.harness.regression import CREATED, bless, check, exit_status
 from crosstrace.harness.session import RunOptions
 from crosstrace.harness.sources import Source, all_packaged_names, find, from_scenes
 from crosstrace.translators.errors import UsageError
-from crosstrace.translators.scene import Scene
 
 MOODY, PLAIN = "fake_lanes:Moody", "fake_lanes:Plain"
 ABSENT, REFUSING = "fake_lanes:Absent", "fake_lanes:Refusing"
@@ -31,11 +31,7 @@ Mood = Callable[[float, int], None]
 
 def sources(background: float = 128, rows: int = 12) -> list[Source]:
     """Return a scene of its background alone, of which the fake lanes are right."""
-    scene = Scene.build(
-        delivery=1, v_res=rows, h_res=16, pixel_size=1.0, screen_distance=10.0,
-        eye=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0], background=[0, background, 255],
-        name="sky",
-    )  # fmt: skip
+    scene = sky(v_res=rows, background=[0, background, 255], name="sky")
     return from_scenes([scene])
 
 

@@ -2,44 +2,23 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
+from small_runs import EMPTY, entry_of, run_options
 
 from crosstrace.harness.outcome import exit_status
 from crosstrace.harness.schedule import Event
-from crosstrace.harness.session import RunOptions, run
+from crosstrace.harness.session import run
+from crosstrace.translators import leftovers
 from crosstrace.translators.errors import UsageError
 from crosstrace.translators.scene import Scene
 
 PLAIN = "fake_lanes:Plain"
-
-#: Delivery 1 without an object: the header, and the number of objects.
-EMPTY = "12 16 1 10  0 0 10  0 0 0  0 1 0  0 128 255  0"
-
-
-@pytest.fixture
-def scene() -> Scene:
-    """Give the smallest scene whose images have an SSIM."""
-    return Scene.build(
-        delivery=1, v_res=12, h_res=16, pixel_size=1.0, screen_distance=10.0,
-        eye=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0], background=[0, 128, 255],
-    )  # fmt: skip
-
-
-def _options(*lanes: str, **more: Any) -> RunOptions:
-    return RunOptions(lanes, **{"jobs": 2, "timeout_s": 60.0, **more})
-
-
-def _entry(report: dict[str, Any], lane: str, scene: int = 0) -> dict[str, Any]:
-    found: dict[str, Any] = next(
-        entry for entry in report["scenes"][scene]["renderers"] if entry["name"] == lane
-    )
-    return found
 
 
 @pytest.mark.parametrize(
@@ -56,14 +35,14 @@ def test_a_renderer_that_fails_is_recorded_and_the_rest_goes_on(
     scene: Scene, tmp_path: Path, lane: str, status: str, says: str
 ) -> None:
     """Never a pass: the scene is incomplete, the exit status 3, the other image is there."""
-    report = run([scene, scene], tmp_path / "out", _options(PLAIN, lane))
+    report = run([scene, scene], tmp_path / "out", run_options(PLAIN, lane))
     for i in (0, 1):
-        failed = _entry(report, lane, i)
+        failed = entry_of(report, lane, i)
         assert failed["status"] == status
         assert says in failed["message"]
         assert failed["images"] == {}
         assert failed["seconds"]["render"] is None
-        assert _entry(report, PLAIN, i)["status"] == "ok"
+        assert entry_of(report, PLAIN, i)["status"] == "ok"
         assert report["scenes"][i]["verdict"] == "incomplete"
         (pair,) = report["scenes"][i]["pairs"]
         assert pair["pixels"] is None
@@ -75,24 +54,24 @@ def test_a_renderer_that_hangs_is_given_up_after_the_time_limit(
     scene: Scene, tmp_path: Path
 ) -> None:
     """Its process is killed, the message says so, and the other renderer's image is kept."""
-    options = _options(PLAIN, "fake_lanes:Hanging", timeout_s=1.0)
+    options = run_options(PLAIN, "fake_lanes:Hanging", timeout_s=1.0)
     report = run([scene], tmp_path / "out", options)
-    hung = _entry(report, "fake_lanes:Hanging")
+    hung = entry_of(report, "fake_lanes:Hanging")
     assert hung["status"] == "failed"
     assert "timed out after" in hung["message"]
-    assert _entry(report, PLAIN)["status"] == "ok"
+    assert entry_of(report, PLAIN)["status"] == "ok"
     assert exit_status(report) == 3
 
 
 def test_a_renderer_that_hangs_twice_is_not_asked_again(scene: Scene, tmp_path: Path) -> None:
     """A lane that hangs on every scene costs two time limits, not one a scene."""
-    options = _options(PLAIN, "fake_lanes:Hanging", timeout_s=0.5, jobs=1)
+    options = run_options(PLAIN, "fake_lanes:Hanging", timeout_s=0.5, jobs=1)
     report = run([scene] * 6, tmp_path / "out", options)
-    messages = [_entry(report, "fake_lanes:Hanging", i)["message"] for i in range(6)]
+    messages = [entry_of(report, "fake_lanes:Hanging", i)["message"] for i in range(6)]
     hung = [message for message in messages if "timed out after" in message]
     assert len(hung) in (2, 3)  # a third may have been under way
     assert sum("not asked" in message for message in messages) == 6 - len(hung)
-    assert all(_entry(report, PLAIN, i)["status"] == "ok" for i in range(6))
+    assert all(entry_of(report, PLAIN, i)["status"] == "ok" for i in range(6))
     assert exit_status(report) == 3
 
 
@@ -100,8 +79,10 @@ def test_a_pixel_that_is_not_a_number_is_counted_and_never_reaches_the_json(
     scene: Scene, tmp_path: Path
 ) -> None:
     """It is beyond every threshold, and the numbers that it spoils are null."""
-    report = run([scene], tmp_path / "out", _options("fake_lanes:Gradient", "fake_lanes:Undefined"))
-    assert _entry(report, "fake_lanes:Undefined")["nonfinite"] == 1
+    report = run(
+        [scene], tmp_path / "out", run_options("fake_lanes:Gradient", "fake_lanes:Undefined")
+    )
+    assert entry_of(report, "fake_lanes:Undefined")["nonfinite"] == 1
     (pair,) = report["scenes"][0]["pairs"]
     assert (pair["max"], pair["rmse"], pair["ssim"]) == (None, None, None)
     assert pair["over_1_255"] == pair["nonfinite"] == 1
@@ -116,7 +97,7 @@ def test_a_directory_that_cannot_be_is_refused_before_any_rendering(
     """A file stands in its place."""
     (tmp_path / "out").write_text("a file", encoding="utf-8")
     with pytest.raises(UsageError, match="expected a directory, found a file"):
-        run([scene], tmp_path / "out", _options(PLAIN))
+        run([scene], tmp_path / "out", run_options(PLAIN))
 
 
 def test_an_observer_that_raises_ends_the_run_and_leaves_nothing(
@@ -128,8 +109,20 @@ def test_an_observer_that_raises_ends_the_run_and_leaves_nothing(
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run([scene], tmp_path / "out", _options(PLAIN), interrupt)
+        run([scene], tmp_path / "out", run_options(PLAIN), interrupt)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_killed_run_left_goes_with_the_next_one(scene: Scene, tmp_path: Path) -> None:
+    """Its half-built report stands where the directory is; nothing was written to it for long."""
+    left = tmp_path / "out/.crosstrace-report-killed_1"
+    left.mkdir(parents=True)
+    then = time.time() - 2 * leftovers.QUIET_S
+    os.utime(left, (then, then))
+    run([scene], tmp_path / "out", run_options(PLAIN))
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "images", "report.html", "report.json",
+    }  # fmt: skip
 
 
 def test_an_interrupted_process_leaves_at_once_although_a_renderer_hangs(tmp_path: Path) -> None:

@@ -23,12 +23,20 @@ static int apply_setting(call *c, const char *name, const char *value) {
     status = ct_options_set_rounding(c->options, value, &fault);
   else if (strcmp(name, "instructions") == 0)
     status = ct_options_set_instructions(c->options, value, &fault);
-  else if (strcmp(name, "threads") == 0)
+  else if (strcmp(name, "search") == 0)
+    status = ct_options_set_search(c->options, value, &fault);
+  else if (strcmp(name, "tolerance") == 0) {
+    double tolerance = PyOS_string_to_double(value, NULL, NULL);
+    if (tolerance == -1.0 && PyErr_Occurred()) return -1;
+    status = ct_options_set_tolerance(c->options, tolerance, &fault);
+  } else if (strcmp(name, "threads") == 0)
     ct_options_set_threads(c->options, (unsigned)strtoul(value, NULL, 10));
   else if (strcmp(name, "effects") == 0)
     ct_options_set_effects(c->options, (unsigned)strtoul(value, NULL, 10));
   else if (strcmp(name, "ray_budget") == 0)
     ct_options_set_ray_budget(c->options, strtoull(value, NULL, 10));
+  else if (strcmp(name, "jitter") == 0)
+    ct_options_set_jitter(c->options, strtoull(value, NULL, 10));
   else if (strcmp(name, "row_begin") == 0)
     c->row_begin = (Py_ssize_t)strtoll(value, NULL, 10);
   else if (strcmp(name, "row_end") == 0)

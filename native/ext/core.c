@@ -183,7 +183,10 @@ static PyMethodDef methods[] = {
     {"explain", core_explain, METH_VARARGS,
      "explain(scene tuple, settings, row, column, capacity, progress) -> tree; see _core.pyi"},
     {"render", core_render, METH_VARARGS,
-     "render(scene tuple, settings, outputs, progress) -> stats; see _core.pyi"},
+     "render(scene tuple, settings, outputs, progress, tree=None, cells=None, side=1) -> stats; see "
+     "_core.pyi"},
+    {"tree", core_tree, METH_VARARGS,
+     "tree(scene tuple, progress) -> its tree, for render; see _core.pyi"},
     {"certify", core_certify, METH_VARARGS,
      "certify(scene tuple, settings, pixels, tolerance, kappa, outputs, progress) -> counts"},
     {"perturb", core_perturb, METH_VARARGS,

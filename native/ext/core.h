@@ -60,5 +60,6 @@ PyObject *core_certify(PyObject *module, PyObject *arguments);
 PyObject *core_perturb(PyObject *module, PyObject *arguments);
 PyObject *core_explain(PyObject *module, PyObject *arguments);
 PyObject *core_render(PyObject *module, PyObject *arguments);
+PyObject *core_tree(PyObject *module, PyObject *arguments);
 
 #endif

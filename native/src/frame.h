@@ -3,6 +3,8 @@
 #ifndef CT_FRAME_H
 #define CT_FRAME_H
 
+#include "bvh.h"
+#include "medium.h"
 #include "options.h"
 #include "wide.h"
 
@@ -22,10 +24,22 @@ typedef struct ct_frame {
   struct {
     size_t light, object;
   } *lights_on;
+  const ct_bvh *bvh; /* NULL: every object is asked */
+  ct_bvh *own_bvh;   /* the same where it is the frame's own */
+  /* What the eye is in, but for nesting=relative; the list's links lie in the frame. */
+  ct_medium around[CT_MEDIA_AROUND_EYE];
+  const ct_medium *eye_medium;
 } ct_frame;
 
 ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_options *options);
 void ct_frame_close(ct_frame *frame);
+
+/* Gives an open frame its tree, where there are objects enough for one: what a ray meets is found
+ * either way. Progress as in ct_render: CT_ERR_CANCELLED. A failure closes the frame. */
+ct_status ct_frame_sort(ct_frame *frame, ct_progress progress, void *user);
+/* Builds the tree of an open frame, of at least so many spheres; *out is NULL otherwise. */
+ct_status ct_frame_build(const ct_frame *frame, size_t least, ct_progress progress, void *user,
+                         ct_bvh **out);
 
 static inline int ct_light_is_on(const ct_frame *frame, size_t light, size_t object) {
   for (size_t k = 0; k < frame->n_lights_on; k++)

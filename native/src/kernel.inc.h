@@ -6,7 +6,7 @@
  */
 #include <stdlib.h>
 
-#include "kernel.h"
+#include "sample_point.h"
 #include "vector.inc.h"
 #include "power.inc.h"
 #include CT_PRIMITIVES
@@ -21,6 +21,7 @@
 #endif
 #include "light.inc.h"
 #include "scatter.inc.h"
+#include "prune.inc.h"
 #include "trace.inc.h"
 
 static ct_status FN(open)(const ct_frame *frame, void **out) {
@@ -28,6 +29,11 @@ static ct_status FN(open)(const ct_frame *frame, void **out) {
   if (!world) return CT_ERR_MEMORY;
   world->plane_normal = malloc((frame->n_planes + 1) * sizeof *world->plane_normal);
   if (!world->plane_normal) {
+    free(world);
+    return CT_ERR_MEMORY;
+  }
+  if (ct_reach_open(&world->reach, frame, REAL_UNIT) != CT_OK) {
+    free(world->plane_normal);
     free(world);
     return CT_ERR_MEMORY;
   }
@@ -54,19 +60,21 @@ static ct_status FN(open)(const ct_frame *frame, void **out) {
 static void FN(close)(void *opaque) {
   WORLD *world = opaque;
   free(world->plane_normal);
+  ct_reach_close(&world->reach);
   free(world);
 }
 
-/* The ray through the centre of pixel (row, column) (specification 2.3). */
+/* The ray through the centre of pixel (row, column) (specification 2.3), or a point near it. */
 static RAY FN(primary)(const WORLD *world, ct_pixel *pixel, int64_t row, int64_t column) {
   const ct_scene_view *v = world->view;
   REAL s = from_double(v->pixel_size);
-  /* Halves of integers: exact in every type. */
-  REAL x = mul(s, from_double((double)column - (double)v->h_res / 2 + 0.5));
-  REAL y = neg(mul(s, from_double((double)row - (double)v->v_res / 2 + 0.5)));
+  double right, below;
+  ct_sample_point(world->frame, row, column, &right, &below);
+  REAL x = mul(s, from_double(right)), y = neg(mul(s, from_double(below)));
   VEC way = v_sub(v_add(v_scale(x, world->u), v_scale(y, world->v)),
                   v_scale(from_double(v->screen_distance), world->w));
-  RAY ray = {world->eye, NUDGED(pixel, v_over(way, v_length(way))), 0, 1, NULL};
+  RAY ray = {world->eye, NUDGED(pixel, v_over(way, v_length(way))), 0, 1, NULL,
+             from_double(world->reach.slack)};
   if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
     REAL forward = neg(v_dot(ray.direction, world->w));
     ray.origin = v_along(ray.origin, quo(from_double(MITSUBA_NEAR), forward), ray.direction);
@@ -78,9 +86,7 @@ static void FN(pixel)(const void *opaque, int64_t row, int64_t column, ct_pixel 
   const WORLD *world = opaque;
   RAY ray = FN(primary)(world, pixel, row, column);
   SPLIT split;
-  ct_medium around[CT_MEDIA_AROUND_EYE];
-  if (world->choice[CT_NESTING] != CT_NESTING_RELATIVE)
-    ray.medium = ct_media_around_eye(world->view, around);
+  ray.medium = world->frame->eye_medium;
   VEC color = FN(trace)(world, pixel, &ray, &split, &pixel->tree);
   v_store(color, pixel->color);
   v_store_low(color, pixel->color_low);

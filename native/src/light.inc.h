@@ -47,6 +47,44 @@ static int blocks_own_light(const WORLD *world, size_t i, VEC origin, VEC direct
   return less(world->shadow_min, other) && less(other, limit);
 }
 
+/* A ray on its way to a light. */
+typedef struct FN(feeler) {
+  VEC origin, direction;
+  REAL reach, limit; /* how far the light is; blockers stand nearer than this */
+  int light_counts, at_light; /* the limit is one; a light on a surface is not behind it */
+} FN(feeler);
+#define FEELER FN(feeler)
+
+/* Does object i stand between a hit and light j? */
+static inline int is_blocked_by(const WORLD *world, size_t i, size_t j, const FEELER *f) {
+  REAL zero = from_double(0);
+  if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
+      world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
+    return 0;
+  if (f->at_light && ct_light_is_on(world->frame, j, i))
+    return blocks_own_light(world, i, f->origin, f->direction, f->reach, f->limit);
+  REAL t = object_nearest(world, i, f->origin, f->direction, 0, world->shadow_min);
+  if (!less(zero, t) || (world->has_far && less(world->far, t))) return 0;
+  if (!f->light_counts || less(t, f->limit)) return 1;
+  return world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA && !less(f->limit, t);
+}
+
+static __attribute__((noinline)) int is_blocked_in_tree(const WORLD *world, size_t j,
+                                                        const FEELER *f) {
+  const ct_bvh *bvh = world->frame->bvh;
+  ct_walk walk;
+  size_t first;
+  unsigned n;
+  for (size_t k = 0; k < bvh->n_apart; k++)
+    if (is_blocked_by(world, bvh->apart[k], j, f)) return 1;
+  walk_along(world, f->origin, f->direction, &walk);
+  float before = ct_walk_before(f->light_counts ? to_double(f->limit) : (double)INFINITY);
+  while (ct_walk_next_on_ray(&walk, before, &first, &n))
+    for (size_t k = first; k < first + n; k++)
+      if (is_blocked_by(world, bvh->object[k], j, f)) return 1;
+  return 0;
+}
+
 /* Does any object stand between the hit and light j? `to_light` is of length 1, `distance` that
  * from the hit to the light. */
 static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit,
@@ -73,19 +111,10 @@ static int is_shadowed(const WORLD *world, ct_pixel *pixel, const RAY *ray, cons
   pixel->n_shadow++;
   if (ct_pixel_must_stop(pixel, ray->depth)) return 0;
   ON_FEELER(world, pixel, ray, hit, j, origin, direction, limit);
-  for (size_t i = 0; i < world->view->n_objects; i++) {
-    if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
-        world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
-      continue;
-    if (at_light && !IS_NUDGED(pixel) && ct_light_is_on(world->frame, j, i)) {
-      if (blocks_own_light(world, i, origin, direction, reach, limit)) return 1;
-      continue;
-    }
-    REAL t = object_nearest(world, i, origin, direction, 0, world->shadow_min);
-    if (!less(zero, t) || (world->has_far && less(world->far, t))) continue;
-    if (!light_counts || less(t, limit)) return 1;
-    if (world->choice[CT_OFFSET] == CT_OFFSET_MITSUBA && !less(limit, t)) return 1;
-  }
+  FEELER feeler = {origin, direction, reach, limit, light_counts, at_light && !IS_NUDGED(pixel)};
+  if (world->frame->bvh) return is_blocked_in_tree(world, j, &feeler);
+  for (size_t i = 0; i < world->view->n_objects; i++)
+    if (is_blocked_by(world, i, j, &feeler)) return 1;
   return 0;
 }
 

@@ -48,6 +48,8 @@ enum { CT_INNER_REFLECTION_ON, CT_INNER_REFLECTION_OFF };
 enum { CT_RECURSION_FREE, CT_RECURSION_CLAMP, CT_RECURSION_SCALE };
 enum { CT_INDEX_EXACT, CT_INDEX_FLOAT32 };
 
+/* How the objects on a ray are found. */
+enum { CT_SEARCH_AUTO, CT_SEARCH_SCAN, CT_SEARCH_TREE };
 enum { CT_ROUND_NEAREST, CT_ROUND_UP, CT_ROUND_DOWN, CT_ROUND_ZERO };
 
 struct ct_options {
@@ -56,11 +58,15 @@ struct ct_options {
   double shadow_min; /* shadow hits at or nearer than this do not block */
   double light_min;  /* shadow hits as near as this to the light do not block */
   double far;        /* hits beyond this do not exist; 0: no limit */
+  double tolerance;  /* how much darker pruning may make a pixel; 0: nothing is pruned */
   size_t precision; /* index of ct_precision_kernel */
   int rounding;     /* CT_ROUND_... */
   ct_instructions instructions; /* the most that may be used */
+  int search;       /* CT_SEARCH_... */
+  const ct_tree *tree; /* borrowed; NULL: every call builds its own */
   unsigned effects, n_threads;
   uint64_t ray_budget;
+  uint64_t jitter; /* seed; 0: through the centre of each pixel */
   int64_t row_begin, row_end;
 };
 

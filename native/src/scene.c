@@ -111,6 +111,25 @@ static const struct {
     {"eta", CT_RULE_POSITIVE},   {"kr", CT_RULE_COEFFICIENT}, {"kt", CT_RULE_COEFFICIENT},
     {"n", CT_RULE_FINITE}};
 
+/* Whether the object keeps every rule; which it breaks, and its name, is for check_object. */
+static int is_sound(const ct_scene_view *v, size_t i) {
+  const double *color = v->color + 3 * i, *m = v->material + i * CT_MATERIAL_COLUMNS;
+  const double *g = v->geometry + i * CT_GEOMETRY_COLUMNS;
+  double unstated[CT_MATERIAL_COLUMNS];
+  for (int k = 0; k < 3; k++)
+    if (ct_rule_breach(CT_RULE_COLOR, color[k]) || ct_rule_breach(CT_RULE_FINITE, g[k])) return 0;
+  ct_default_material(v->delivery, unstated);
+  for (int k = 0; k < CT_MATERIAL_COLUMNS; k++)
+    if (ct_rule_breach(material_columns[k].rule, m[k]) ||
+        (k >= first_unstated_column(v->delivery) && m[k] != unstated[k]))
+      return 0;
+  if (ct_index_breach(m[CT_KT], m[CT_N])) return 0;
+  if (v->kind[i] == CT_SPHERE) return !ct_rule_breach(CT_RULE_POSITIVE, g[3]);
+  return v->kind[i] == CT_PLANE && !ct_rule_breach(CT_RULE_FINITE, g[3]) &&
+         !ct_rule_breach(CT_RULE_FINITE, g[4]) && !ct_rule_breach(CT_RULE_FINITE, g[5]) &&
+         (g[3] != 0 || g[4] != 0 || g[5] != 0);
+}
+
 static ct_status check_object(const ct_scene_view *v, size_t i, ct_fault *fault) {
   const double *material = v->material + i * CT_MATERIAL_COLUMNS;
   const double *geometry = v->geometry + i * CT_GEOMETRY_COLUMNS;
@@ -160,7 +179,7 @@ ct_status ct_scene_check(const ct_scene_view *v, ct_fault *fault) {
   memset(fault, 0, sizeof *fault);
   if ((status = check_camera(v, fault))) return status;
   for (size_t i = 0; i < v->n_objects; i++)
-    if ((status = check_object(v, i, fault))) return status;
+    if (!is_sound(v, i) && (status = check_object(v, i, fault))) return status;
   for (size_t i = 0; i < v->n_lights; i++) {
     char where[64];
     snprintf(where, sizeof where, "lights[%zu].color", i);

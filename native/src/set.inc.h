@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bvh_walk.h"
 #include "kernel.h"
 #include "set.h"
 #include "interval.inc.h"
@@ -69,9 +70,7 @@ static void SET_FN(pixel)(const void *opaque, int64_t row, int64_t column,
                           const ct_set_limits *limits, ct_set_result *result) {
   STATE state = {.world = opaque, .limits = limits};
   RAY ray = primary_ray(state.world, row, column);
-  ct_medium around[CT_MEDIA_AROUND_EYE];
-  if (state.world->choice[CT_NESTING] != CT_NESTING_RELATIVE)
-    ray.medium = ct_media_around_eye(state.world->view, around);
+  ray.medium = state.world->frame->eye_medium;
   result->n_alternatives = 0;
   result->first = (ct_decision){CT_DECISION_NONE, 0, -1};
   for (int k = 0; k < 3; k++) {

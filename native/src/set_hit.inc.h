@@ -153,14 +153,87 @@ static int outcomes_of(STATE *s, const RAY *ray, size_t i, double t_min, OUTCOME
   return n;
 }
 
-/* The hit that the script chooses among those possible; object -1: none. */
-static OUTCOME nearest_outcome(STATE *s, const RAY *ray) {
+/* ---- Many objects (bvh.h) ---- */
+
+enum { MOST_LISTED = 512 };
+
+/* A walk along all rays of the set. Their directions are of length 1, or off by the error of the
+ * arithmetic under test, by which it may move a sphere, too. */
+static void walk_along(const WORLD *world, const RAY *ray, ct_walk *walk) {
+  const IV o[3] = {ray->origin.x, ray->origin.y, ray->origin.z};
+  const IV d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
+  double o_low[3], o_high[3], d_low[3], d_high[3];
+  for (int k = 0; k < 3; k++) {
+    o_low[k] = -b_to_double(o[k].nlo);
+    o_high[k] = b_to_double(o[k].hi);
+    d_low[k] = -b_to_double(d[k].nlo);
+    d_high[k] = b_to_double(d[k].hi);
+  }
+  ct_walk_start(walk, world->frame->bvh, o_low, o_high, d_low, d_high,
+                CT_WALK_SLACK + 64 * world->kappa);
+}
+
+/* Objects that may be hit, as far as is known. */
+typedef struct SET_FN(listing) {
+  uint32_t *object;
+  int n;
+  double before; /* something is hit for sure at this or nearer */
+} LISTING;
+
+/* Adds object i; 0 where there is no room. */
+static int list_object(STATE *s, const RAY *ray, const FILTER *filter, size_t i, LISTING *list) {
+  OUTCOME found[2];
+  if (s->world->is_twin[i] || !may_meet(s->world, filter, i, list->before)) return 1;
+  int n = outcomes_of(s, ray, i, 0, found);
+  for (int k = 0; k < n; k++)
+    if (found[k].sure) list->before = fmin(list->before, b_to_double(found[k].t.hi));
+  if (n == 0) return 1;
+  if (list->n == MOST_LISTED) {
+    int kept = 0;
+    for (int k = 0; k < list->n; k++)
+      if (may_meet(s->world, filter, list->object[k], list->before))
+        list->object[kept++] = list->object[k];
+    list->n = kept;
+    if (kept == MOST_LISTED) return 0;
+  }
+  int k = list->n++;
+  for (; k > 0 && list->object[k - 1] > i; k--) list->object[k] = list->object[k - 1];
+  list->object[k] = (uint32_t)i;
+  return 1;
+}
+
+/* Lists the objects that may be hit, in the order of the file, and returns how many there are; -1
+ * where there is no room for all. Those left out have no outcome, or lie surely behind a sure hit. */
+static __attribute__((noinline)) int list_nearest(STATE *s, const RAY *ray,
+                                                  uint32_t object[MOST_LISTED]) {
+  const ct_bvh *bvh = s->world->frame->bvh;
+  LISTING list = {object, 0, (double)INFINITY};
+  FILTER filter = filter_of(ray->origin, ray->direction);
+  for (size_t k = 0; k < bvh->n_apart; k++)
+    if (!list_object(s, ray, &filter, bvh->apart[k], &list)) return -1;
+  ct_walk walk;
+  size_t first;
+  unsigned n;
+  walk_along(s->world, ray, &walk);
+  while (ct_walk_next(&walk, ct_walk_before(list.before), &first, &n))
+    for (size_t k = first; k < first + n; k++)
+      if (!list_object(s, ray, &filter, bvh->object[k], &list)) return -1;
+  return list.n;
+}
+
+/* The hit that the script chooses among those possible; object -1: none. Not inlined, so that its list
+ * does not lie in every level of the recursion. */
+static __attribute__((noinline)) OUTCOME nearest_outcome(STATE *s, const RAY *ray) {
   OUTCOME list[CT_MAX_CANDIDATES + 2], found[2], none = {.object = -1};
   int n = 0, has_sure = 0;
   BOUND sure_by = b_from((double)INFINITY);
   double before = (double)INFINITY;
+  uint32_t near[MOST_LISTED];
+  int n_near = s->world->frame->bvh ? list_nearest(s, ray, near) : -1;
+  size_t n_asked = n_near < 0 ? s->world->view->n_objects : (size_t)n_near;
   FILTER filter = filter_of(ray->origin, ray->direction);
-  for (size_t i = 0; i < s->world->view->n_objects; i++) {
+  for (size_t asked = 0; asked < n_asked; asked++) {
+    size_t i = n_near < 0 ? asked : near[asked];
     if (s->world->is_twin[i] || !may_meet(s->world, &filter, i, before)) continue;
     int n_found = outcomes_of(s, ray, i, 0, found);
     for (int k = 0; k < n_found; k++) {
@@ -209,33 +282,67 @@ static shadow_answer own_light_blocked(const WORLD *world, size_t i, const RAY *
                                                                     : SHADOW_NONE;
 }
 
-/* Does an object stand on the ray before light j, which is at `reach`, and nearer than `limit`? Both
+/* What is asked of the objects before light j, which is at `reach`, and nearer than `limit`. Both
  * NULL: at any distance. */
+typedef struct SET_FN(feeler) {
+  STATE *state;
+  const RAY *ray;
+  size_t light;
+  const IV *reach, *limit;
+  FILTER filter;
+  double before;
+} FEELER;
+
+/* Does object i stand there? */
+static shadow_answer blocked_by(const FEELER *f, size_t i) {
+  const WORLD *world = f->state->world;
+  const IV *limit = f->limit;
+  OUTCOME found[2];
+  if (!may_meet(world, &f->filter, i, f->before)) return SHADOW_NONE;
+  if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
+      world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
+    return SHADOW_NONE;
+  if (limit && world->choice[CT_OFFSET] != CT_OFFSET_MITSUBA && !(world->kappa > 0) &&
+      ct_light_is_on(world->frame, f->light, i))
+    return own_light_blocked(world, i, f->ray, *f->reach, *limit);
+  shadow_answer answer = SHADOW_NONE;
+  int n = outcomes_of(f->state, f->ray, i, world->frame->options->shadow_min, found);
+  for (int k = 0; k < n; k++) {
+    if (limit && !i_may_be_less(found[k].t, *limit)) continue;
+    if (found[k].sure && (!limit || i_less(found[k].t, *limit))) return SHADOW_SURE;
+    answer = SHADOW_POSSIBLE;
+  }
+  return answer;
+}
+
+static __attribute__((noinline)) shadow_answer find_blocker_in_tree(const FEELER *f) {
+  const ct_bvh *bvh = f->state->world->frame->bvh;
+  shadow_answer answer = SHADOW_NONE;
+  ct_walk walk;
+  size_t first;
+  unsigned n;
+  for (size_t k = 0; k < bvh->n_apart && answer != SHADOW_SURE; k++) {
+    shadow_answer one = blocked_by(f, bvh->apart[k]);
+    if (one > answer) answer = one;
+  }
+  walk_along(f->state->world, f->ray, &walk);
+  while (answer != SHADOW_SURE && ct_walk_next(&walk, ct_walk_before(f->before), &first, &n))
+    for (size_t k = first; k < first + n; k++) {
+      shadow_answer one = blocked_by(f, bvh->object[k]);
+      if (one > answer) answer = one;
+    }
+  return answer;
+}
+
 static shadow_answer find_blocker(STATE *s, const RAY *ray, size_t j, const IV *reach,
                                   const IV *limit) {
-  const WORLD *world = s->world;
+  FEELER f = {s, ray, j, reach, limit, filter_of(ray->origin, ray->direction),
+              limit ? b_to_double(limit->hi) : (double)INFINITY};
+  if (s->world->frame->bvh) return find_blocker_in_tree(&f);
   shadow_answer answer = SHADOW_NONE;
-  OUTCOME found[2];
-  FILTER filter = filter_of(ray->origin, ray->direction);
-  double before = limit ? b_to_double(limit->hi) : (double)INFINITY;
-  for (size_t i = 0; i < world->view->n_objects; i++) {
-    if (!may_meet(world, &filter, i, before)) continue;
-    if (world->choice[CT_GLASS_SHADOW] == CT_GLASS_SHADOW_CLEAR &&
-        world->view->material[i * CT_MATERIAL_COLUMNS + CT_KT] > 0)
-      continue;
-    if (limit && world->choice[CT_OFFSET] != CT_OFFSET_MITSUBA &&
-        !(world->kappa > 0) && ct_light_is_on(world->frame, j, i)) {
-      shadow_answer own = own_light_blocked(world, i, ray, *reach, *limit);
-      if (own == SHADOW_SURE) return own;
-      if (own == SHADOW_POSSIBLE) answer = own;
-      continue;
-    }
-    int n = outcomes_of(s, ray, i, world->frame->options->shadow_min, found);
-    for (int k = 0; k < n; k++) {
-      if (limit && !i_may_be_less(found[k].t, *limit)) continue;
-      if (found[k].sure && (!limit || i_less(found[k].t, *limit))) return SHADOW_SURE;
-      answer = SHADOW_POSSIBLE;
-    }
+  for (size_t i = 0; i < s->world->view->n_objects && answer != SHADOW_SURE; i++) {
+    shadow_answer one = blocked_by(&f, i);
+    if (one > answer) answer = one;
   }
   return answer;
 }

@@ -115,7 +115,7 @@ static IV3 lights_at(STATE *s, const RAY *ray, const HIT *hit) {
     if (may_shine) shine = highlight_of(world, cosine, towards_view, i3_dot(l, wo), m[CT_ETA]);
     if ((!is_diffuse || i_not_positive(cosine)) && i_is_zero(shine)) continue;
     IV3 c = i3_zero();
-    if (is_diffuse) c = i3_mul(i3_scale(i_floor_zero(cosine), world->diffuse[hit->object]),
+    if (is_diffuse) c = i3_mul(i3_scale(i_floor_zero(cosine), diffuse_of(world, hit->object)),
                                world->light[j]);
     c = i3_add(c, i3_scale(i_mul(ks, shine), world->light[j]));
     if (world->effects & CT_SHADOWS) {

@@ -144,7 +144,7 @@ static IV3 SET_FN(trace)(STATE *s, const RAY *ray) {
     hit.normal = i3_over_positive(i3_sub(hit.point, i3_from(g)), i_from(g[3]));
   hit.cosine = i3_dot(hit.normal, hit.wo);
 
-  IV3 sum = world->base[hit.object];
+  IV3 sum = base_of(world, (size_t)hit.object);
   if (view->delivery == 1) return returned(world, sum);
   sum = i3_add(sum, lights_at(s, ray, &hit));
   if (view->delivery == 3 && s->status == CT_SET_DECIDED) {

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bvh_walk.h"
 #include "kernel.h"
 #include "set_stream.h"
 #include "interval.inc.h"
@@ -39,14 +40,21 @@ static MASK living_lanes(BATCH *batch, const STREAM *rays, int at) {
   return m_from_bits(bits);
 }
 
+/* The solid of that index (NEAREST). */
+static const SOLID *solid_at(const SWORLD *world, size_t index, SOLID *room) {
+  if (!world->bvh) return &world->solids[index];
+  *room = solid_from(world->base, index);
+  return room;
+}
+
 /* The light of the hits of one solid, and their secondary rays. */
 static inline void shade(const SWORLD *world, const STREAM *rays, int at, int is_last,
                          const VI o[3], const VI d[3], const VS3 *d_signed, const NEAREST *nearest,
                          const SOLID *solid, MASK lanes, VI color[3], CHILD *mirrored,
                          CHILD *refracted, MASK *bad) {
   const WORLD *base = world->base;
-  const IV3 *flat = &base->base[solid->object];
-  VI sum[3] = {vi_from(flat->x), vi_from(flat->y), vi_from(flat->z)};
+  IV3 flat = base_of(base, solid->object);
+  VI sum[3] = {vi_from(flat.x), vi_from(flat.y), vi_from(flat.z)};
   if (base->view->delivery > 1) {
     HITS hit;
     enclose_hits(o, d, d_signed, solid, nearest, &hit);
@@ -92,8 +100,9 @@ static __attribute__((noinline)) void trace_vector(const SWORLD *world, BATCH *b
   while (left) {
     LANE_ID index = objects[__builtin_ctz(left)];
     MASK group = m_and(m_from_bits(left), i_equal(nearest.object, i_all(index)));
+    SOLID own;
     shade(world, rays, at, depth >= base->frame->max_depth, o, d, &d_signed, &nearest,
-          &world->solids[(size_t)index], group, color, mirrored, refracted, &bad);
+          solid_at(world, (size_t)index, &own), group, color, mirrored, refracted, &bad);
     left &= ~m_bits(group);
   }
   for (int k = 0; k < 3; k++) {
@@ -185,11 +194,8 @@ static void SET_FN(batch)(const void *opaque, const int64_t *pixels, int n,
   BATCH batch = {.limits = limits, .open = out->open};
   STREAM rays;
   COLORS colors;
-  ct_medium around[CT_MEDIA_AROUND_EYE];
-  const ct_medium *medium = NULL;
+  const ct_medium *medium = world->base->frame->eye_medium;
   double row[ROOM], column[ROOM];
-  if (world->base->choice[CT_NESTING] != CT_NESTING_RELATIVE)
-    medium = ct_media_around_eye(view, around);
   rays.n = n;
   for (int i = 0; i < ROOM; i++) {
     int64_t pixel = pixels[i < n ? i : n - 1];

@@ -109,7 +109,7 @@ static inline ROOTS roots_of(const MEETING *m) {
 /* ---- Nearest hit ---- */
 
 typedef struct SET_FN(nearest) {
-  IDS object;            /* index of the solid, -1: none that is sure */
+  IDS object;            /* index of the solid; with a tree, of the object; -1: none that is sure */
   LANES n, h;            /* bounds of its distance */
   LANES t, root; /* of a sphere: near the distance, and half the difference of the roots */
   LANES rival;           /* no other solid is hit before this */
@@ -143,6 +143,8 @@ static inline void offer_sphere(NEAREST *best, const MIDDLE *q, const SOLID *s, 
                  m_and(l_less(n, zero), l_at_most(h + n, r.middle * 0x1p-11)));
   offer(best, index, possible, sure, n, h, t, r.middle);
 }
+
+#include "set_stream_tree.inc.h"
 
 /* Exact where the plane's numbers and the ray's are. */
 static inline VI slope_to(const SOLID *s, const VI d[3]) {
@@ -182,13 +184,16 @@ static inline NEAREST nearest_of(const SWORLD *world, const VI o[3], const VI d[
   IDS none = i_all(-1);
   NEAREST best = {.object = none, .n = -infinity, .h = infinity, .t = infinity, .root = infinity,
                   .rival = infinity};
-  for (size_t i = 0; i < world->n_solids; i++) {
-    const SOLID *s = &world->solids[i];
+  MASK asked = lanes;
+  for (size_t k = 0; k < world->n_solids; k++) {
+    const SOLID *s = &world->solids[k];
+    size_t i = world->bvh ? s->object : k;
     if (!s->is_plane)
       offer_sphere(&best, q, s, i, lanes);
     else if (!(is_primary && s->is_eye_on && world->base->choice[CT_OFFSET] != CT_OFFSET_MITSUBA))
       offer_plane(&best, o, d, s, i, lanes);
   }
+  if (world->bvh) asked = offer_tree(world, q, lanes, &best);
   double far = world->base->frame->options->far;
   MASK is_hit = l_less(best.h, best.rival), is_miss = l_at_most(infinity, best.rival);
   is_miss = m_and(is_miss, i_equal(best.object, none));
@@ -198,6 +203,6 @@ static inline NEAREST nearest_of(const SWORLD *world, const VI o[3], const VI d[
     is_hit = m_or(m_but(is_hit, l_less(limit, best.h)), is_miss);
     best.object = i_blend(is_miss, none, best.object);
   }
-  *bad = m_but(lanes, m_or(is_hit, is_miss));
+  *bad = m_but(lanes, m_and(asked, m_or(is_hit, is_miss)));
   return best;
 }

@@ -137,7 +137,8 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, MAS
   VI c[3];
   cosine = vi_floor_zero(cosine);
   if (is_specular) shine = vi_times(l_all(m[CT_KS]), shine);
-  const IV diffuse[3] = {base->diffuse[object].x, base->diffuse[object].y, base->diffuse[object].z};
+  IV3 own = diffuse_of(base, object);
+  const IV diffuse[3] = {own.x, own.y, own.z};
   const IV color[3] = {base->light[j].x, base->light[j].y, base->light[j].z};
   for (int k = 0; k < 3; k++) {
     c[k] = vi(zero, zero);

@@ -63,6 +63,37 @@ static inline void add_own_shadow(SHADOW *shadow, VI other, LANES least, VI limi
   shadow->sure = m_or(shadow->sure, m_and(lanes, in));
 }
 
+static int is_apart(const SWORLD *world, const SOLID *solid) {
+  for (size_t k = 0; k < world->n_solids; k++)
+    if (world->solids[k].object == solid->object) return 1;
+  return 0;
+}
+
+/* What of the tree stands there, but for the sphere that the rays leave, if that is in it. */
+static __attribute__((noinline)) void add_tree_shadows(const SWORLD *world, const MIDDLE *q,
+                                                       const SOLID *own, LANES least, VI limit,
+                                                       MASK lanes, SHADOW *shadow) {
+  LANES error;
+  MASK known = knows_tree(world, q, &error);
+  shadow->possible = m_or(shadow->possible, m_but(lanes, known));
+  size_t first;
+  unsigned n;
+  for (MASK left = m_and(lanes, known); m_any(left);) {
+    ct_walk walk;
+    MASK group = start_walk(world, q, error, left, &walk);
+    left = m_but(left, group);
+    float before = ct_walk_before(greatest_lane(limit.h, group));
+    while (ct_walk_next(&walk, before, &first, &n))
+      for (size_t k = first; k < first + n; k++) {
+        size_t i = world->bvh->object[k];
+        MASK open = m_but(group, shadow->sure);
+        if (world->base->is_twin[i] || (own && own->object == i)) continue;
+        SOLID s = sphere_in_tree(world, i);
+        add_sphere_shadow(shadow, q, &s, least, limit.n, limit.h, open);
+      }
+  }
+}
+
 /* What may stand on the rays q before the light, whose distance is `limit`. */
 static inline SHADOW shadow_on(const SWORLD *world, const MIDDLE *q, size_t light, VI limit,
                                const SOLID *own, VI other, MASK lanes) {
@@ -71,18 +102,25 @@ static inline SHADOW shadow_on(const SWORLD *world, const MIDDLE *q, size_t ligh
   LANES least = l_all(frame->options->shadow_min);
   if (far > 0) limit = vi(l_greater(limit.n, l_all(-far)), l_lesser(limit.h, l_all(far)));
   SHADOW shadow = {m_none(), m_none()};
+  int is_mitsuba = world->base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA;
+  if (world->bvh) {
+    int is_own_there = !own->is_plane && !is_mitsuba && !is_apart(world, own);
+    if (is_own_there) add_own_shadow(&shadow, other, least, limit, lanes);
+    add_tree_shadows(world, q, is_own_there ? own : NULL, least, limit, lanes, &shadow);
+  }
   for (size_t i = 0; i < world->n_solids; i++) {
     const SOLID *s = &world->solids[i];
     MASK left = m_but(lanes, shadow.sure);
     if (!m_any(left)) break;
-    if (s == own && s->is_plane) continue;
-    if (frame->n_lights_on && world->base->choice[CT_OFFSET] != CT_OFFSET_MITSUBA &&
+    if (s->object == own->object && s->is_plane) continue;
+    if (frame->n_lights_on && !is_mitsuba &&
         ct_light_is_on(frame, light, s->object)) {
       /* No blocker there but the far side of another sphere, left to the scalar kernel. */
-      if (!s->is_plane && s != own) shadow.possible = m_or(shadow.possible, meet(q, s, left).live);
+      if (!s->is_plane && s->object != own->object)
+        shadow.possible = m_or(shadow.possible, meet(q, s, left).live);
       continue;
     }
-    if (s == own && world->base->choice[CT_OFFSET] != CT_OFFSET_MITSUBA)
+    if (s->object == own->object && !is_mitsuba)
       add_own_shadow(&shadow, other, least, limit, left);
     else if (s->is_plane)
       add_plane_shadow(&shadow, q, s, least, limit.n, limit.h, left);

@@ -13,9 +13,10 @@ typedef struct SET_FN(solid) {
 
 typedef struct SET_FN(stream_world) {
   WORLD *base;
-  SOLID *solids; /* without those equal to an earlier one: it hides them */
+  const ct_bvh *bvh; /* NULL: every solid is asked */
+  /* Without those equal to an earlier one: it hides them. With a tree, those apart from it. */
+  SOLID *solids;
   size_t n_solids;
-  size_t *solid_of; /* n_objects */
 } SWORLD;
 
 /* Rays as arrays: (-lo, hi) of three components each. Room for a vector beyond the last. */
@@ -71,7 +72,6 @@ static void SET_FN(close_stream)(void *opaque) {
   SWORLD *world = opaque;
   if (world->base) SET_FN(close)(world->base);
   free(world->solids);
-  free(world->solid_of);
   free(world);
 }
 
@@ -85,15 +85,15 @@ static ct_status SET_FN(open_stream)(const ct_frame *frame, void **out) {
     return status;
   }
   world->base = base;
-  size_t n = frame->view.n_objects;
+  const ct_bvh *bvh = world->bvh = frame->bvh;
+  size_t n = bvh ? bvh->n_apart : frame->view.n_objects;
   world->solids = malloc((n + 1) * sizeof *world->solids);
-  world->solid_of = malloc((n + 1) * sizeof *world->solid_of);
-  if (!world->solids || !world->solid_of) {
+  if (!world->solids) {
     SET_FN(close_stream)(world);
     return CT_ERR_MEMORY;
   }
-  for (size_t i = 0; i < n; i++) {
-    world->solid_of[i] = world->n_solids;
+  for (size_t k = 0; k < n; k++) {
+    size_t i = bvh ? bvh->apart[k] : k;
     if (!world->base->is_twin[i]) world->solids[world->n_solids++] = solid_from(world->base, i);
   }
   *out = world;

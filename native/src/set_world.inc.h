@@ -7,7 +7,7 @@ typedef struct SET_FN(world) {
   unsigned effects;
   IV3 u, v, w; /* specification 2.3 */
   IV3 *plane_normal;
-  IV3 *base, *diffuse; /* of each object: ka*cd*ca and kd*cd; the flat colour in delivery 1 */
+  IV3 *base, *diffuse; /* of each object: ka*cd*ca and kd*cd; the flat colour in delivery 1; or NULL */
   IV3 *light;          /* colours of the lights, 0..1 */
   IV3 background;
   IV epsilon;
@@ -45,22 +45,44 @@ static void mark_twins(WORLD *world) {
       world->is_twin[i] = (uint8_t)same_surface(world->view, i, j);
 }
 
-static void set_materials(WORLD *world) {
+/* What object i shows without a lamp, and what it does with a lamp's light. */
+static IV3 new_base(const WORLD *world, size_t i) {
   const ct_scene_view *v = world->view;
-  IV3 ambient = color3(v->ambient);
-  for (size_t i = 0; i < v->n_objects; i++) {
-    const double *m = v->material + i * CT_MATERIAL_COLUMNS;
-    IV3 color = color3(v->color + 3 * i);
-    int has_base = v->delivery == 1 ? (world->effects & CT_FLAT) != 0
-                                    : (world->effects & CT_AMBIENT) && m[CT_KA] > 0;
-    world->base[i] = v->delivery == 1 ? color
-                                      : i3_mul(i3_scale(i_from(m[CT_KA]), color), ambient);
-    if (!has_base) world->base[i] = i3_zero();
-    world->diffuse[i] = i3_scale(i_from(m[CT_KD]), color);
-  }
+  const double *m = v->material + i * CT_MATERIAL_COLUMNS;
+  IV3 color = color3(v->color + 3 * i);
+  if (v->delivery == 1) return (world->effects & CT_FLAT) != 0 ? color : i3_zero();
+  if (!(world->effects & CT_AMBIENT) || !(m[CT_KA] > 0)) return i3_zero();
+  return i3_mul(i3_scale(i_from(m[CT_KA]), color), color3(v->ambient));
+}
+
+static IV3 new_diffuse(const WORLD *world, size_t i) {
+  double kd = world->view->material[i * CT_MATERIAL_COLUMNS + CT_KD];
+  return i3_scale(i_from(kd), color3(world->view->color + 3 * i));
+}
+
+/* Of many objects they are worked out when asked for, as they take up to 200 bytes each. */
+static IV3 base_of(const WORLD *world, size_t i) {
+  return world->base ? world->base[i] : new_base(world, i);
+}
+
+static IV3 diffuse_of(const WORLD *world, size_t i) {
+  return world->diffuse ? world->diffuse[i] : new_diffuse(world, i);
+}
+
+static ct_status set_materials(WORLD *world) {
+  const ct_scene_view *v = world->view;
   for (size_t j = 0; j < v->n_lights; j++)
     world->light[j] = color3(v->lights + j * CT_LIGHT_COLUMNS);
   world->background = color3(v->background);
+  if (world->frame->bvh) return CT_OK;
+  world->base = malloc((v->n_objects + 1) * sizeof *world->base);
+  world->diffuse = malloc((v->n_objects + 1) * sizeof *world->diffuse);
+  if (!world->base || !world->diffuse) return CT_ERR_MEMORY;
+  for (size_t i = 0; i < v->n_objects; i++) {
+    world->base[i] = new_base(world, i);
+    world->diffuse[i] = new_diffuse(world, i);
+  }
+  return CT_OK;
 }
 
 static void SET_FN(close)(void *opaque) {
@@ -81,17 +103,13 @@ static ct_status SET_FN(open)(const ct_frame *frame, double kappa, void **out) {
   *world = (WORLD){.frame = frame, .view = v, .choice = frame->options->choice,
                    .effects = frame->options->effects, .kappa = kappa};
   world->plane_normal = malloc((frame->n_planes + 1) * sizeof *world->plane_normal);
-  world->base = malloc((v->n_objects + 1) * sizeof *world->base);
-  world->diffuse = malloc((v->n_objects + 1) * sizeof *world->diffuse);
   world->light = malloc((v->n_lights + 1) * sizeof *world->light);
   world->is_twin = calloc(v->n_objects + 1, 1);
-  if (!world->plane_normal || !world->base || !world->diffuse || !world->light ||
-      !world->is_twin) {
+  if (!world->plane_normal || !world->light || !world->is_twin || set_materials(world)) {
     SET_FN(close)(world);
     return CT_ERR_MEMORY;
   }
   set_camera(world);
-  set_materials(world);
   mark_twins(world);
   for (size_t i = 0; i < v->n_objects; i++) {
     if (v->kind[i] != CT_PLANE) continue;

@@ -12,27 +12,30 @@
 #include "stream.h"
 
 #define INLINE static inline __attribute__((always_inline))
+#define APART static __attribute__((noinline))
 
 #include CT_LANES
 #include "lanes_vector.inc.h"
 #include "stream_world.inc.h"
-#include "stream_store.inc.h"
 #include "stream_hit.inc.h"
 #include "stream_cull.inc.h"
+#include "stream_tree.inc.h"
+#include "stream_store.inc.h"
+#include "stream_prune.inc.h"
 #include "stream_trace.inc.h"
 
-/* The ways of the rays through the centres of a rectangle of pixels (specification 2.3), not of
- * length 1. */
+/* The ways of the rays through the centres of a rectangle of pixels (specification 2.3), or points
+ * near them, not of length 1. */
 static void aim(const WORLD *world, const ct_tile *pixels, BUNDLE *bundle) {
   const ct_scene_view *v = world->view;
-  double middle = (double)v->h_res / 2, level = (double)v->v_res / 2;
   REAL *across = bundle->direction.x, *down = bundle->direction.y;
   size_t n = 0, n_across = (size_t)(pixels->right - pixels->left);
   for (int64_t row = pixels->top; row < pixels->bottom; row++, n += n_across)
     for (size_t k = 0; k < n_across; k++) {
-      /* Halves of integers: exact in every type. */
-      across[n + k] = from_double((double)(pixels->left + (int64_t)k) - middle + 0.5);
-      down[n + k] = from_double((double)row - level + 0.5);
+      double right, below;
+      ct_sample_point(world->frame, row, pixels->left + (int64_t)k, &right, &below);
+      across[n + k] = from_double(right);
+      down[n + k] = from_double(below);
     }
   bundle->n = n;
   LANES s = l_all(from_double(v->pixel_size));
@@ -43,13 +46,20 @@ static void aim(const WORLD *world, const ct_tile *pixels, BUNDLE *bundle) {
     VECS way = vs_add(vs_scale(x, vs_all(world->u)), vs_scale(y, vs_all(world->v)));
     vs_store(&bundle->direction, at, vs_sub(way, forward));
     vs_store(&bundle->origin, at, eye);
+    if (bundle->slack) l_store(bundle->slack + at, l_all(from_double(world->reach.slack)));
   }
 }
 
 /* Writes n vectors from number k on, `stride` doubles apart. */
 static inline void put(const COLUMNS *c, size_t k, size_t n, double *out, size_t stride) {
   const REAL *x = c->x + k, *y = c->y + k, *z = c->z + k;
-  for (size_t i = 0; i < n; i++) {
+  /* Known when compiled, so that the compiler can interleave whole vectors. */
+  for (size_t i = 0; stride == 3 && i < n; i++) {
+    out[i * 3] = to_double(x[i]);
+    out[i * 3 + 1] = to_double(y[i]);
+    out[i * 3 + 2] = to_double(z[i]);
+  }
+  for (size_t i = 0; stride != 3 && i < n; i++) {
     out[i * stride] = to_double(x[i]);
     out[i * stride + 1] = to_double(y[i]);
     out[i * stride + 2] = to_double(z[i]);
@@ -92,10 +102,10 @@ static void FN(tile)(const void *opaque, void *opaque_store, const ct_tile *tile
     aim(stage->world, &part, &bundle);
     trace_first(store, &bundle);
     if (is_stopped(store)) return;
-    size_t h_res = (size_t)stage->world->view->h_res, k = 0;
+    size_t k = 0;
     for (int64_t row = top; row < part.bottom; row++, k += (size_t)across)
       deliver(store, &bundle, k, (size_t)across, tile->out,
-              (size_t)(row - tile->row_begin) * h_res + (size_t)tile->left);
+              tile->at + (size_t)(row - tile->top) * tile->stride);
   }
 }
 

@@ -75,22 +75,42 @@ static int bound_feelers(const BOX *points, VEC lamp, BOUND *bound) {
   return 1;
 }
 
+/* A bound in lanes. */
+typedef struct FN(culler) {
+  VECS center, axis;
+  LANES slant, spread, length, radius;
+} FN(culler);
+#define CULLER FN(culler)
+
+INLINE CULLER culler_of(const BOUND *bound) {
+  REAL one = from_double(1), k = bound->spread;
+  return (CULLER){.center = vs_all(bound->center),
+                  .axis = vs_all(bound->axis),
+                  .slant = l_all(quo(k, root(sub(one, mul(k, k))))),
+                  .spread = l_all(k),
+                  .length = l_all(bound->length),
+                  .radius = l_all(bound->radius)};
+}
+
+/* The lanes whose spheres no ray within the bound meets. */
+INLINE MASK cleared(const CULLER *c, VECS at, LANES r) {
+  LANES zero = l_all(0), margin = l_all(CULL_MARGIN);
+  VECS w = vs_sub(at, c->center);
+  LANES along = vs_dot(w, c->axis), square = vs_dot(w, w);
+  LANES across2 = l_greater(square - along * along, zero), across = l_root(across2);
+  /* Where the gap between the bound's surface and the centre is least: it is convex in s. */
+  LANES s = l_lesser(l_greater(along + across * c->slant, zero), c->length), off = along - s;
+  LANES gap = l_root(across2 + off * off) - (c->radius + c->spread * s);
+  LANES scale = (l_abs(along) + across) + (c->radius + r);
+  MASK clear = m_and(l_less(l_all(CULL_LEAST), square), l_less(square, l_all(CULL_MOST)));
+  return m_and(clear, l_less(r + margin * scale, gap));
+}
+
 /* Writes a bit for every object that rays within the bound may meet. Planes are never left out. */
 static void cull(const STAGE *stage, const BOUND *bound, uint64_t *may) {
-  REAL one = from_double(1), k = bound->spread;
-  LANES slant = l_all(quo(k, root(sub(one, mul(k, k))))), spread = l_all(k), zero = l_all(0);
-  LANES length = l_all(bound->length), radius = l_all(bound->radius), margin = l_all(CULL_MARGIN);
-  VECS center = vs_all(bound->center), axis = vs_all(bound->axis);
+  CULLER culler = culler_of(bound);
   for (size_t i = 0; i < stage->n_objects; i += N_LANES) {
-    VECS w = vs_sub(vs_load(&stage->center, i), center);
-    LANES r = l_load(stage->radius + i), along = vs_dot(w, axis), square = vs_dot(w, w);
-    LANES across2 = l_greater(square - along * along, zero), across = l_root(across2);
-    /* Where the gap between the bound's surface and the centre is least: it is convex in s. */
-    LANES s = l_lesser(l_greater(along + across * slant, zero), length), off = along - s;
-    LANES gap = l_root(across2 + off * off) - (radius + spread * s);
-    LANES scale = (l_abs(along) + across) + (radius + r);
-    MASK clear = m_and(l_less(l_all(CULL_LEAST), square), l_less(square, l_all(CULL_MOST)));
-    clear = m_and(clear, l_less(r + margin * scale, gap));
+    MASK clear = cleared(&culler, vs_load(&stage->center, i), l_load(stage->radius + i));
     uint64_t bits = ~(uint64_t)m_bits(clear) & m_bits(m_first(stage->n_objects - i));
     if (i % 64 == 0) may[i / 64] = 0;
     may[i / 64] |= bits << i % 64;

@@ -15,19 +15,13 @@ INLINE ROOTS roots_beyond(MASK wanted, LANES near, LANES far, LANES t_min) {
   return (ROOTS){t, m_and(wanted, l_less(t_min, t))};
 }
 
-/* sphere_nearest, where t_min is not below 0. */
-INLINE ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction, int on_surface,
-                                    LANES t_min, MASK wanted) {
+/* sphere_nearest, where t_min is not below 0 and the origin is not on the sphere. */
+INLINE ROOTS sphere_roots_at(VECS at, LANES r2, VECS origin, VECS direction, LANES t_min,
+                             MASK wanted) {
   LANES zero = l_all(0);
-  VECS f = vs_sub(origin, vs_all(s->at));
-  LANES b = -vs_dot(f, direction);
+  VECS f = vs_sub(origin, at);
+  LANES b = -vs_dot(f, direction), c = vs_dot(f, f) - r2;
   MASK away = l_less(b, zero);
-  if (on_surface) {
-    LANES far = l_all(2) * b;
-    MASK behind = l_less(far, zero);
-    return roots_beyond(wanted, l_blend(behind, far, zero), l_blend(behind, zero, far), t_min);
-  }
-  LANES r2 = l_all(s->r2), c = vs_dot(f, f) - r2;
   wanted = m_but(wanted, m_and(away, l_less(zero, c)));
   if (!m_any(wanted)) return (ROOTS){zero, wanted};
   VECS l = vs_along(f, b, direction);
@@ -38,6 +32,16 @@ INLINE ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction, int on
   /* Both roots are 0 where q is. */
   wanted = m_and(wanted, l_nonzero(q));
   return roots_beyond(wanted, l_lesser(q, other), l_greater(other, q), t_min);
+}
+
+INLINE ROOTS sphere_roots_of(const SHAPE *s, VECS origin, VECS direction, int on_surface,
+                             LANES t_min, MASK wanted) {
+  if (!on_surface)
+    return sphere_roots_at(vs_all(s->at), l_all(s->r2), origin, direction, t_min, wanted);
+  LANES zero = l_all(0), b = -vs_dot(vs_sub(origin, vs_all(s->at)), direction);
+  LANES far = l_all(2) * b;
+  MASK behind = l_less(far, zero);
+  return roots_beyond(wanted, l_blend(behind, far, zero), l_blend(behind, zero, far), t_min);
 }
 
 /* plane_nearest; the quotient is above 0 only where its signs agree. */

@@ -16,7 +16,7 @@ static LANES power_one_by_one(MASK wanted, LANES x, double eta, LANES power) {
 }
 
 /* x^eta in the lanes of `wanted`, where x > 0. */
-static inline LANES power_of_lanes(const SURFACE *s, MASK wanted, LANES x) {
+INLINE LANES power_of_lanes(const SURFACE *s, MASK wanted, LANES x) {
   LANES zero = l_all(0), power = l_all(1), square = x;
   if (!s->is_squared) return power_one_by_one(wanted, x, s->eta, zero);
   for (unsigned eta = (unsigned)s->eta;; square = square * square) {
@@ -51,8 +51,7 @@ INLINE MASK shadowed(STORE *store, size_t j, const ROW *row, VECS point, VECS to
   if (!sent) return wanted;
   count_shadow_rays(store, row, sent);
   VECS origin = vs_along(point, epsilon, to_light);
-  const uint64_t *may = blockers_of(stage, row->sight, j);
-  return blocked_of(stage, may, j, origin, to_light, reach, limit, wanted);
+  return blocked_in_sight(stage, row->sight, j, origin, to_light, reach, limit, wanted);
 }
 
 /* add_lights */

@@ -10,12 +10,18 @@ enum { STREAM_LEVELS = 64 };
 /* With more lamps than this, no object is left out on the way to any. */
 enum { CULLED_LAMPS = 32 };
 
+/* With a tree, as many lists as there are lamps that objects are left out for. */
+static size_t n_culled_lamps(const STAGE *stage) {
+  return stage->n_lamps > 0 && stage->n_lamps <= CULLED_LAMPS ? stage->n_lamps : 1;
+}
+
 typedef struct FN(bundle) {
   size_t n;
   /* Directions of any length; origins at the hit that the rays leave. */
   COLUMNS origin, direction, color;
   uint64_t *tree; /* NULL: nobody asks */
   uint32_t *rays; /* NULL: nobody asks */
+  REAL *slack;    /* NULL: nothing is pruned */
 } FN(bundle);
 #define BUNDLE FN(bundle)
 
@@ -81,6 +87,7 @@ static BUNDLE take_bundle(STORE *store, size_t n) {
   b.color = take_columns(store, room);
   if (store->wants_tree) b.tree = take(store, room, sizeof *b.tree);
   if (store->wants_rays) b.rays = take(store, room, sizeof *b.rays);
+  if (store->stage->world->reach.slack > 0) b.slack = take(store, room, sizeof *b.slack);
   return b;
 }
 
@@ -106,6 +113,18 @@ static void take_first(STORE *store) {
   for (int k = 0; k < CT_CONTRIBUTIONS; k++) first->split[k] = take_columns(store, room);
 }
 
+/* For what may be hit, and for what may stand before each lamp. */
+static LIST *take_lists(STORE *store) {
+  size_t n = 1 + n_culled_lamps(store->stage);
+  LIST *lists = take(store, n, sizeof *lists);
+  for (size_t k = 0; k < n; k++) {
+    lists[k].shape = take(store, LISTED, sizeof *lists[k].shape);
+    lists[k].object = take(store, LISTED, sizeof *lists[k].object);
+    lists[k].from = take(store, LISTED, sizeof *lists[k].from);
+  }
+  return lists;
+}
+
 static void FN(leave)(void *opaque) {
   STORE *store = opaque;
   if (!store) return;
@@ -125,10 +144,12 @@ static void *FN(enter)(const void *opaque, const ct_outputs *out) {
   int64_t depth = stage->world->frame->max_depth;
   size_t n_levels = 1 + (size_t)(depth < STREAM_LEVELS ? depth : STREAM_LEVELS);
   /* At most, with a line for every array: two branches a level, the first bundle, the first hits. */
-  size_t columns = 9 + 1 + 1, room = rounded_up(BUNDLE_RAYS);
+  size_t columns = 9 + 1 + 1 + 1, room = rounded_up(BUNDLE_RAYS);
   size_t branch = (columns + 2) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t first = (CT_CONTRIBUTIONS * 3 + 6) * (room * sizeof(uint64_t) + STORE_LINE);
   size_t sight = (1 + CULLED_LAMPS) * stage->n_words * sizeof(uint64_t) + STORE_LINE;
+  size_t list = sizeof(LIST) + LISTED * (sizeof(SHAPE) + sizeof(uint32_t) + sizeof(REAL)) + 4 * STORE_LINE;
+  if (stage->bvh) sight += (1 + n_culled_lamps(stage)) * list;
   store->size = (2 * n_levels + 1) * branch + (n_levels + 1) * sight + first + STORE_LINE;
   store->block = malloc(store->size);
   if (!store->block) {

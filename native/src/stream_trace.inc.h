@@ -13,6 +13,7 @@ typedef struct FN(sight) {
   uint64_t *may;  /* bits of objects: that may be hit; then, for each lamp, be in the way */
   uint64_t known; /* lamps that have been asked for */
   BOX points;     /* around the hits */
+  LIST *list;     /* with a tree, in place of `may` */
 } FN(sight);
 #define SIGHT FN(sight)
 
@@ -22,6 +23,8 @@ typedef struct FN(row) {
   uint64_t *tree; /* of the vector's rays; NULL: nobody asks */
   uint32_t *rays; /* of the vector's rays; NULL: nobody asks */
   SIGHT *sight;
+  const REAL *slack; /* of the vector's rays */
+  REAL most;         /* that a secondary ray returns, where rays are pruned */
 } FN(row);
 #define ROW FN(row)
 
@@ -47,15 +50,21 @@ static int is_stopped(const STORE *store) {
   return atomic_load_explicit(&store->pixel->shared->stop, memory_order_relaxed) != CT_OK;
 }
 
-/* Objects that may stand between the bundle's hits and lamp j. */
-INLINE const uint64_t *blockers_of(const STAGE *stage, SIGHT *sight, size_t j) {
-  size_t k = stage->n_lamps <= CULLED_LAMPS ? j : 0;
-  uint64_t *may = sight->may + (k + 1) * stage->n_words;
-  if (!(sight->known >> k & 1)) {
-    sight->known |= UINT64_C(1) << k;
-    find_blockers(stage, &sight->points, stage->n_lamps <= CULLED_LAMPS, j, may);
+/* blocked_of, among the objects that may stand between the bundle's hits and lamp j. */
+INLINE MASK blocked_in_sight(const STAGE *stage, SIGHT *sight, size_t j, VECS origin,
+                             VECS direction, LANES reach, LANES limit, MASK wanted) {
+  int culls = stage->n_lamps <= CULLED_LAMPS;
+  size_t k = culls ? j : 0;
+  int is_known = sight->known >> k & 1;
+  sight->known |= UINT64_C(1) << k;
+  if (stage->bvh) {
+    LIST *list = sight->list + k + 1;
+    if (!is_known) list_blockers(stage, &sight->points, culls, j, list);
+    return blocked_in_tree(stage, list, j, origin, direction, reach, limit, wanted);
   }
-  return may;
+  uint64_t *may = sight->may + (k + 1) * stage->n_words;
+  if (!is_known) find_blockers(stage, &sight->points, culls, j, may);
+  return blocked_of(stage, may, j, origin, direction, reach, limit, wanted);
 }
 
 #include "stream_light.inc.h"
@@ -63,17 +72,19 @@ INLINE const uint64_t *blockers_of(const STAGE *stage, SIGHT *sight, size_t j) {
 /* ---- One pass ---- */
 
 /* Sends the lanes of `sent` on along `direction`. */
-INLINE unsigned send(BRANCH *branch, size_t at, MASK sent, LANES weight, VECS point,
-                     VECS direction) {
+INLINE unsigned send(BRANCH *branch, size_t at, MASK sent, LANES weight, LANES part, int prunes,
+                     VECS point, VECS direction) {
   unsigned lanes = m_bits(sent), n = (unsigned)__builtin_popcount(lanes);
   if (!lanes) return 0;
   branch->parcel[branch->n_parcels++] = (PARCEL){(uint16_t)at, (uint16_t)lanes};
   if (n < N_LANES) {
     weight = l_pack(sent, weight);
+    if (prunes) part = l_pack(sent, part);
     point = vs_pack(sent, point);
     direction = vs_pack(sent, direction);
   }
   l_store(branch->weight + branch->rays.n, weight);
+  if (prunes) l_store(branch->rays.slack + branch->rays.n, part / weight);
   vs_store(&branch->rays.origin, branch->rays.n, point);
   vs_store(&branch->rays.direction, branch->rays.n, direction);
   branch->rays.n += n;
@@ -101,7 +112,8 @@ static VECS end_rays(const STORE *store, VECS color, size_t at, MASK sent, MASK 
 
 /* scatter_at (CT_TIR_REPLACE), and what becomes of the rays. */
 INLINE void scatter_of(STORE *store, const SURFACE *s, const ROW *row, VECS point, VECS normal,
-                       VECS direction, MASK hit, int is_first, BRANCH *branches, VECS *color) {
+                       VECS direction, MASK hit, int is_first, int prunes, BRANCH *branches,
+                       VECS *color) {
   unsigned effects = store->stage->world->effects;
   LANES zero = l_all(0), one = l_all(1);
   LANES cosine = vs_dot(normal, vs_neg(direction)), kr = l_all(s->kr);
@@ -134,8 +146,13 @@ INLINE void scatter_of(STORE *store, const SURFACE *s, const ROW *row, VECS poin
     store->first.total[row->at / N_LANES] |= (uint16_t)m_bits(total);
   if (branches) {
     ct_pixel *pixel = store->pixel;
-    pixel->n_reflected += send(branches, row->at, back, kr, point, mirrored);
-    pixel->n_refracted += send(branches + 1, row->at, through, l_all(s->kt), point, refracted);
+    LANES part = zero;
+    if (prunes)
+      part = prune_lanes(l_load(row->slack), row->most, kr, l_where(through, l_all(s->kt)), &back,
+                          &through);
+    pixel->n_reflected += send(branches, row->at, back, kr, part, prunes, point, mirrored);
+    pixel->n_refracted +=
+        send(branches + 1, row->at, through, l_all(s->kt), part, prunes, point, refracted);
   } else if (store->stage->ends_lit) {
     *color = end_rays(store, *color, row->at, back, total, kr, TERM_REFLECTION, is_first);
     *color = end_rays(store, *color, row->at, through, m_none(), l_all(s->kt), TERM_REFRACTION,
@@ -145,9 +162,14 @@ INLINE void scatter_of(STORE *store, const SURFACE *s, const ROW *row, VECS poin
 
 /* shade, without the secondary rays, for the lanes of `hit`, which all hit object i. */
 INLINE void shade_of(STORE *store, size_t i, const ROW *row, VECS point, VECS direction, MASK hit,
-                     int is_first, BRANCH *branches, VECS *color) {
+                     int is_first, int prunes, BRANCH *branches, VECS *color) {
   const STAGE *stage = store->stage;
-  const SHAPE *shape = stage->shape + i;
+  SHAPE own;
+  const SHAPE *shape = &own;
+  if (stage->bvh)
+    read_shape(stage->world, i, &own);
+  else
+    shape = stage->shape + i;
   const SURFACE *surface = stage->surface + i;
   VECS zero = vs_all(v_zero()), base = vs_all(surface->base), normal;
   if (shape->is_plane) {
@@ -172,7 +194,8 @@ INLINE void shade_of(STORE *store, size_t i, const ROW *row, VECS point, VECS di
   }
   *color = vs_blend(hit, sum, *color);
   if (stage->has_scatter)
-    scatter_of(store, surface, row, point, normal, direction, hit, is_first, branches, color);
+    scatter_of(store, surface, row, point, normal, direction, hit, is_first, prunes, branches,
+               color);
 }
 
 /* ---- Bundles ---- */
@@ -213,7 +236,8 @@ static void trace_one_by_one(STORE *store, const BUNDLE *bundle, int64_t depth) 
     VEC way = v_make(bundle->direction.x[k], bundle->direction.y[k], bundle->direction.z[k]);
     VEC point = v_make(bundle->origin.x[k], bundle->origin.y[k], bundle->origin.z[k]);
     VEC direction = v_over(way, v_length(way));
-    RAY ray = {v_along(point, world->epsilon, direction), direction, depth, 0, NULL};
+    RAY ray = {v_along(point, world->epsilon, direction), direction, depth, 0, NULL,
+               bundle->slack ? bundle->slack[k] : from_double(0)};
     uint64_t tree = 0;
     store->pixel->n_rays = 0;
     VEC color = FN(trace)(world, store->pixel, &ray, NULL, &tree);
@@ -253,11 +277,16 @@ INLINE void look_ahead(const STORE *store, const BUNDLE *bundle, SIGHT *sight, i
     box_take(&origins, live, r.origin);
     box_take(&directions, live, r.direction);
   }
-  find_targets(stage, &origins, &directions, sight->may);
+  if (stage->bvh)
+    list_targets(stage, &origins, &directions, sight->list);
+  else
+    find_targets(stage, &origins, &directions, sight->may);
   for (size_t at = 0; at < bundle->n && !is_stopped(store); at += N_LANES) {
     MASK live = m_first(bundle->n - at);
     VECS origin = vs_load(&bundle->origin, at), direction = vs_load(&bundle->direction, at);
-    HITS hits = nearest_of(stage, sight->may, origin, direction, is_first, live);
+    HITS hits = stage->bvh
+                    ? nearest_in_tree(stage, sight->list, origin, direction, is_first, live)
+                    : nearest_of(stage, sight->may, origin, direction, is_first, live);
     VECS point = vs_along(origin, hits.t, direction);
     box_take(&points, m_and(live, l_is_number(hits.t)), point);
     vs_store(&bundle->origin, at, point);
@@ -269,19 +298,23 @@ INLINE void look_ahead(const STORE *store, const BUNDLE *bundle, SIGHT *sight, i
 
 static void trace_bundle(STORE *store, const BUNDLE *bundle, int64_t depth);
 
-INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is_first) {
+INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is_first,
+                       int prunes) {
   const STAGE *stage = store->stage;
   store->pixel->n_unreported += (uint32_t)bundle->n;
   if (store->pixel->n_unreported >= 4096) ct_pixel_report(store->pixel);
   size_t mark = store->used;
   BRANCH branches[2];
+  REAL most = from_double(0);
   int sends = stage->has_scatter && depth < stage->world->frame->max_depth;
   for (int k = 0; sends && k < 2; k++) branches[k] = take_branch(store, bundle->n);
+  if (prunes && sends) most = most_returned(stage->world, depth + 1);
   VECS missed = vs_all(is_first ? stage->background : stage->missed), zero = vs_all(v_zero());
   REAL t[BUNDLE_RAYS + N_LANES];
   LANE_ID object[BUNDLE_RAYS + N_LANES];
   SIGHT sight;
   sight.may = take(store, (1 + CULLED_LAMPS) * stage->n_words, sizeof *sight.may);
+  sight.list = stage->bvh ? take_lists(store) : NULL;
   sight.known = 0;
   look_ahead(store, bundle, &sight, is_first, t, object);
   for (size_t at = 0; at < bundle->n; at += N_LANES) {
@@ -290,7 +323,8 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
     VECS direction = vs_load(&bundle->direction, at), point = vs_load(&bundle->origin, at);
     HITS hits = {l_load(t + at), i_load(object + at)};
     unsigned left = m_bits(m_and(live, l_is_number(hits.t)));
-    ROW row = {.at = at, .sight = &sight};
+    ROW row = {.at = at, .sight = &sight, .most = most};
+    if (prunes) row.slack = bundle->slack + at;
     if (bundle->rays) {
       row.rays = bundle->rays + at;
       for (int k = 0; k < N_LANES; k++) row.rays[k] = 1;
@@ -316,8 +350,8 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
       MASK hit = m_and(m_from_bits(left), i_equal(hits.object, i_all(i)));
       left &= ~m_bits(hit);
       note_decision(&row, m_bits(hit), (uint64_t)(i + 2));
-      shade_of(store, (size_t)i, &row, point, direction, hit, is_first, sends ? branches : NULL,
-               &color);
+      shade_of(store, (size_t)i, &row, point, direction, hit, is_first, prunes,
+               sends ? branches : NULL, &color);
     }
     vs_store(&bundle->color, at, color);
   }
@@ -329,11 +363,26 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
   store->used = mark;
 }
 
+/* Pruning is known when compiled, and stands apart, so that frames without it pay nothing. */
+APART void trace_pruned(STORE *store, const BUNDLE *bundle, int64_t depth) {
+  if (depth == 0)
+    trace_rays(store, bundle, depth, 1, 1);
+  else
+    trace_rays(store, bundle, depth, 0, 1);
+}
+
 static void trace_bundle(STORE *store, const BUNDLE *bundle, int64_t depth) {
   if (depth > STREAM_LEVELS)
     trace_one_by_one(store, bundle, depth);
+  else if (bundle->slack)
+    trace_pruned(store, bundle, depth);
   else
-    trace_rays(store, bundle, depth, 0);
+    trace_rays(store, bundle, depth, 0, 0);
 }
 
-static void trace_first(STORE *store, const BUNDLE *bundle) { trace_rays(store, bundle, 0, 1); }
+static void trace_first(STORE *store, const BUNDLE *bundle) {
+  if (bundle->slack)
+    trace_pruned(store, bundle, 0);
+  else
+    trace_rays(store, bundle, 0, 1, 0);
+}

@@ -28,17 +28,18 @@ typedef struct FN(lamp) {
 
 typedef struct FN(stage) {
   WORLD *world;
-  SHAPE *shape;     /* of every object */
+  const ct_bvh *bvh; /* NULL: every object is asked */
+  SHAPE *shape;     /* of every object; with a tree, of those apart from it */
   SURFACE *surface; /* of every object */
   LAMP *lamp;
-  COLUMNS center; /* of every sphere, side by side */
+  COLUMNS center; /* of every sphere, side by side; with a tree, in the order of its leaves */
   REAL *radius;   /* of every sphere, infinite for a plane */
-  uint64_t *all;  /* a bit for every object */
+  uint64_t *all;  /* a bit for every object; without a tree alone */
   VEC background, missed; /* by a primary ray, by any other */
   VEC exhausted;
   int ends_lit; /* exhausted is not black */
   size_t n_objects, n_lamps;
-  size_t n_words; /* of a bit for every object */
+  size_t n_words; /* of a bit for every object; 0 with a tree */
   int has_lights, has_scatter;
 } FN(stage);
 #define STAGE FN(stage)
@@ -87,14 +88,14 @@ static void read_shape(const WORLD *world, size_t i, SHAPE *s) {
 
 /* Makes room for the spheres' columns, in whole vectors. */
 static int open_columns(STAGE *stage) {
-  size_t room = stage->n_objects + N_LANES;
+  size_t room = (stage->bvh ? stage->bvh->n_objects : stage->n_objects) + 2 * N_LANES;
   REAL *columns = calloc(4 * room, sizeof *columns);
   stage->all = malloc((stage->n_words + 1) * sizeof *stage->all);
   if (!columns || !stage->all) {
     free(columns);
     return 0;
   }
-  for (size_t i = 0; i < stage->n_objects; i += 64) {
+  for (size_t i = 0; i < stage->n_words * 64; i += 64) {
     size_t n = stage->n_objects - i;
     stage->all[i / 64] = n >= 64 ? ~UINT64_C(0) : (UINT64_C(1) << n) - 1;
   }
@@ -103,13 +104,23 @@ static int open_columns(STAGE *stage) {
   return 1;
 }
 
-static void read_columns(STAGE *stage, size_t i) {
-  const SHAPE *s = stage->shape + i;
-  stage->center.x[i] = s->at.x;
-  stage->center.y[i] = s->at.y;
-  stage->center.z[i] = s->at.z;
-  double radius = stage->world->view->geometry[i * CT_GEOMETRY_COLUMNS + 3];
-  stage->radius[i] = from_double(s->is_plane ? (double)INFINITY : radius);
+static void read_columns(STAGE *stage, size_t at, size_t i) {
+  const double *g = stage->world->view->geometry + i * CT_GEOMETRY_COLUMNS;
+  int is_plane = stage->world->view->kind[i] == CT_PLANE;
+  stage->center.x[at] = from_double(g[0]);
+  stage->center.y[at] = from_double(g[1]);
+  stage->center.z[at] = from_double(g[2]);
+  stage->radius[at] = from_double(is_plane ? (double)INFINITY : g[3]);
+}
+
+/* What of the objects a ray meets. */
+static void read_shapes(STAGE *stage) {
+  const ct_bvh *bvh = stage->bvh;
+  size_t n = bvh ? bvh->n_apart : stage->n_objects;
+  for (size_t k = 0; k < n; k++)
+    read_shape(stage->world, bvh ? bvh->apart[k] : k, stage->shape + k);
+  n = bvh ? bvh->n_objects : stage->n_objects;
+  for (size_t k = 0; k < n; k++) read_columns(stage, k, bvh ? bvh->object[k] : k);
 }
 
 static void read_lamp(const WORLD *world, size_t j, LAMP *lamp) {
@@ -142,8 +153,10 @@ static ct_status FN(open_stage)(const ct_frame *frame, void **out) {
   stage->world = world;
   stage->n_objects = view->n_objects;
   stage->n_lamps = view->n_lights;
-  stage->n_words = (view->n_objects + 63) / 64;
-  stage->shape = malloc((view->n_objects + 1) * sizeof *stage->shape);
+  stage->bvh = frame->bvh;
+  stage->n_words = stage->bvh ? 0 : (view->n_objects + 63) / 64;
+  size_t n_shapes = stage->bvh ? stage->bvh->n_apart : view->n_objects;
+  stage->shape = malloc((n_shapes + 1) * sizeof *stage->shape);
   stage->surface = malloc((view->n_objects + 1) * sizeof *stage->surface);
   stage->lamp = malloc((view->n_lights + 1) * sizeof *stage->lamp);
   int has_columns = open_columns(stage);
@@ -153,11 +166,8 @@ static ct_status FN(open_stage)(const ct_frame *frame, void **out) {
     FN(close_stage)(stage);
     return status;
   }
-  for (size_t i = 0; i < view->n_objects; i++) {
-    read_shape(world, i, stage->shape + i);
-    read_surface(world, i, stage->surface + i);
-    read_columns(stage, i);
-  }
+  read_shapes(stage);
+  for (size_t i = 0; i < view->n_objects; i++) read_surface(world, i, stage->surface + i);
   for (size_t j = 0; j < view->n_lights; j++) read_lamp(world, j, stage->lamp + j);
   stage->has_lights = view->delivery > 1;
   stage->has_scatter = view->delivery > 2;

@@ -14,7 +14,7 @@ static VEC background(const WORLD *world) {
 }
 
 static VEC secondary(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT *hit,
-                     VEC direction, const ct_medium *medium, int passes, uint64_t *tree) {
+                     VEC direction, const ct_medium *medium, int passes, REAL slack, uint64_t *tree) {
   if (ray->depth >= world->frame->max_depth) {
     if (world->choice[CT_EXHAUSTED] == CT_EXHAUSTED_BACKGROUND) {
       ON_UNSENT(pixel, background(world));
@@ -26,7 +26,7 @@ static VEC secondary(const WORLD *world, ct_pixel *pixel, const RAY *ray, const 
   direction = NUDGED(pixel, v_over(direction, v_length(direction)));
   int64_t depth = passes ? ray->depth : ray->depth + 1;
   VEC origin = NUDGED_ORIGIN(pixel, offset_origin(world, ray, hit, direction, 0));
-  RAY next = {origin, direction, depth, 0, medium};
+  RAY next = {origin, direction, depth, 0, medium, slack};
   /* A subtree has a hash of its own, so that subtrees may be traced in any order. */
   uint64_t subtree = 0;
   VEC color = FN(trace)(world, pixel, &next, NULL, &subtree);
@@ -72,11 +72,14 @@ static VEC shade(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT 
   }
   VEC sum = v_add(v_add(split->base, split->diffuse), split->specular);
   *tree = ct_tree_mix(*tree, (uint64_t)(s.inside | s.total << 1));
-  REAL zero = from_double(0);
+  REAL zero = from_double(0), part = zero;
+  if (world->reach.slack > 0 && ray->depth < world->frame->max_depth)
+    part = prune(world, ray, &s.kr, &s.kt);
   if (less(zero, s.kr)) {
     if (ray->depth < world->frame->max_depth) pixel->n_reflected++;
     ON_BRANCH(pixel, s.total ? CT_RAY_TOTALLY_REFLECTED : CT_RAY_REFLECTED, s.kr);
-    VEC c = v_scale(s.kr, secondary(world, pixel, ray, hit, s.mirrored, ray->medium, 0, tree));
+    VEC c = v_scale(s.kr, secondary(world, pixel, ray, hit, s.mirrored, ray->medium, 0,
+                                     quo(part, s.kr), tree));
     *(s.total ? &split->total_reflection : &split->reflection) = c;
     sum = v_add(sum, c);
   }
@@ -84,7 +87,8 @@ static VEC shade(const WORLD *world, ct_pixel *pixel, const RAY *ray, const HIT 
     if (ray->depth < world->frame->max_depth) pixel->n_refracted++;
     ON_BRANCH(pixel, CT_RAY_REFRACTED, s.kt);
     split->refraction =
-        v_scale(s.kt, secondary(world, pixel, ray, hit, s.refracted, s.medium, s.passes, tree));
+        v_scale(s.kt, secondary(world, pixel, ray, hit, s.refracted, s.medium, s.passes,
+                           quo(part, s.kt), tree));
     sum = v_add(sum, split->refraction);
   }
   return sum;

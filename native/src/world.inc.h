@@ -1,5 +1,7 @@
 /* What the kernel's texts share: the world of a frame, a ray, a hit, and the terms of a pixel. */
+#include "bvh_walk.h"
 
+#include "prune.h"
 
 typedef struct FN(world) {
   const ct_frame *frame;
@@ -10,6 +12,7 @@ typedef struct FN(world) {
   VEC u, v, w, eye;
   REAL epsilon, shadow_min, light_min, far;
   int has_far;
+  ct_reach reach;
 } FN(world);
 #define WORLD FN(world)
 
@@ -18,6 +21,7 @@ typedef struct FN(ray) {
   int64_t depth;
   int primary;
   const ct_medium *medium; /* nesting=tracked only */
+  REAL slack; /* how much less may return: prune.h */
 } FN(ray);
 #define RAY FN(ray)
 
@@ -63,17 +67,62 @@ static REAL nudged_distance(const WORLD *world, ct_pixel *pixel, const RAY *ray,
 #define nudged_distance(world, pixel, ray, i, t) ((void)(pixel), (t))
 #endif
 
+/* What walks allow for beside their own errors: the kernel's rounding, which counts in float alone,
+ * and directions that are not of length 1 (perturb.inc.h). */
+#ifdef CT_PERTURBED
+#define REAL_SLACK 0x1p-16 /* for the errors of float32, the largest that are tried */
+#else
+#define REAL_SLACK (REAL_DIGITS < 53 ? 0x1p-16 : 0)
+#endif
+
+static inline double walk_slack(VEC direction) {
+  return REAL_SLACK + 64 * fabs(to_double(v_dot(direction, direction)) - 1);
+}
+
+static void walk_along(const WORLD *world, VEC origin, VEC direction, ct_walk *walk) {
+  double o[3], d[3];
+  v_store(origin, o);
+  v_store(direction, d);
+  ct_walk_start(walk, world->frame->bvh, o, o, d, d, walk_slack(direction));
+}
+
+/* Makes object i the hit if it is. */
+static inline void offer_object(const WORLD *world, ct_pixel *pixel, const RAY *ray, size_t i,
+                                HIT *hit) {
+  REAL zero = from_double(0);
+  REAL t = object_nearest(world, i, ray->origin, ray->direction, ray->primary, zero);
+  if (!less(zero, t) || (world->has_far && less(world->far, t))) return;
+  t = nudged_distance(world, pixel, ray, i, t);
+  if (hit->object >= 0 && !less(t, hit->t)) {
+    /* A tie stays with the first in the file. */
+    if (less(hit->t, t) || (int64_t)i > hit->object) return;
+  }
+  hit->object = (int64_t)i;
+  hit->t = t;
+}
+
+/* Of its own, so that the walk's stack does not lie in every level of the recursion. */
+static __attribute__((noinline)) void offer_tree(const WORLD *world, ct_pixel *pixel, const RAY *ray,
+                                                 HIT *hit) {
+  const ct_bvh *bvh = world->frame->bvh;
+  ct_walk walk;
+  size_t first;
+  unsigned n;
+  for (size_t k = 0; k < bvh->n_apart; k++) offer_object(world, pixel, ray, bvh->apart[k], hit);
+  walk_along(world, ray->origin, ray->direction, &walk);
+  float before = ct_walk_before(hit->object >= 0 ? to_double(hit->t) : (double)INFINITY);
+  while (ct_walk_next_on_ray(&walk, before, &first, &n)) {
+    for (size_t k = first; k < first + n; k++) offer_object(world, pixel, ray, bvh->object[k], hit);
+    if (hit->object >= 0) before = ct_walk_before(to_double(hit->t));
+  }
+}
+
 static HIT FN(nearest)(const WORLD *world, ct_pixel *pixel, const RAY *ray) {
   HIT hit = {.object = -1};
-  REAL zero = from_double(0);
-  for (size_t i = 0; i < world->view->n_objects; i++) {
-    REAL t = object_nearest(world, i, ray->origin, ray->direction, ray->primary, zero);
-    if (!less(zero, t) || (world->has_far && less(world->far, t))) continue;
-    t = nudged_distance(world, pixel, ray, i, t);
-    if (hit.object >= 0 && !less(t, hit.t)) continue; /* a tie stays with the first in the file */
-    hit.object = (int64_t)i;
-    hit.t = t;
-  }
+  if (world->frame->bvh)
+    offer_tree(world, pixel, ray, &hit);
+  else
+    for (size_t i = 0; i < world->view->n_objects; i++) offer_object(world, pixel, ray, i, &hit);
   if (hit.object >= 0) {
     hit.point = v_along(ray->origin, hit.t, ray->direction);
     hit.normal = object_normal(world, (size_t)hit.object, hit.point);

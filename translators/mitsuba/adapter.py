@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.translators import readings
-from crosstrace.translators.effects import effects
-from crosstrace.translators.errors import RendererError
+from crosstrace.translators.effects import effects, needed
+from crosstrace.translators.errors import RendererError, UsageError
 from crosstrace.translators.ledger import Ledger
 from crosstrace.translators.mitsuba import document, fidelity, first_delivery, runtime
 from crosstrace.translators.mitsuba import probe as probing
@@ -32,6 +32,7 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
+from crosstrace.translators.sampling import only_centre
 from crosstrace.translators.scene import Scene
 
 
@@ -61,7 +62,7 @@ class _Mitsuba:
         self, scene: Scene, options: RenderOptions, progress: Progress | None = None
     ) -> Rendering:
         """Render in this process; the limits and the meaning of errors are `Renderer`'s."""
-        called_for = self._called_for(scene, options)
+        scene, called_for = self._reduced(scene, options)
         mi, startup = runtime.start(options.threads)
         begun = time.perf_counter()
         elements = self.document(scene, called_for)
@@ -81,16 +82,25 @@ class _Mitsuba:
 
     def translate(self, scene: Scene, options: RenderOptions) -> Translation:
         """Write the scene as one XML file, and the line that renders it."""
-        elements = self.document(scene, self._called_for(scene, options))
+        elements = self.document(*self._reduced(scene, options))
         file = file_name(scene.name)
         return Translation({file: text(elements)}, command(elements, file))
 
-    def _called_for(self, scene: Scene, options: RenderOptions) -> frozenset[str]:
-        readings.only_default(options.readings, self.name)
-        asked = options.effects
-        called_for = frozenset(effects(scene).names) if asked is None else frozenset(asked)
-        fidelity.refuse(self.name, scene, called_for, self.capabilities, self.magnitudes)
-        return called_for
+    def _reduced(self, scene: Scene, options: RenderOptions) -> tuple[Scene, frozenset[str]]:
+        """Return what of a scene is to be translated, and which effects are."""
+        readings.only_default(options.readings, self.name, options.tolerance)
+        only_centre(options.sampling, self.name)
+        if options.tuning:
+            raise UsageError(
+                f"{self.name} has no settings of its own, found {', '.join(options.tuning)}"
+            )
+        if options.effects is None:
+            found = effects(scene)
+            reduced, called_for = needed(scene, found), frozenset(found.names)
+        else:
+            reduced, called_for = scene, frozenset(options.effects)
+        fidelity.refuse(self.name, reduced, called_for, self.capabilities, self.magnitudes)
+        return reduced, called_for
 
     def _settings(self) -> dict[str, Any]:
         return {}
@@ -100,7 +110,7 @@ class MitsubaStock(_Mitsuba):
     """Float32 through Mitsuba's shapes and ray queries; wholly stock for the first delivery."""
 
     name = "mitsuba"
-    capabilities = Capabilities(10_000, fidelity.DEEPEST, 2**25, fidelity.SHARED)
+    capabilities = Capabilities(10_000, fidelity.DEEPEST, 2**25, 64, stages=fidelity.SHARED)
     magnitudes = fidelity.FLOAT32_RANGE
     precision = "float32"
 
@@ -132,7 +142,9 @@ class MitsubaExact(_Mitsuba):
     """Float64 throughout; scans all objects for each ray, so their number is limited."""
 
     name = "mitsuba-f64"
-    capabilities = Capabilities(4096, fidelity.DEEPEST, 2**27, fidelity.SHARED)
+    capabilities = Capabilities(
+        fidelity.MOST_OBJECTS_EXACT, fidelity.DEEPEST, 2**27, 48, stages=fidelity.SHARED
+    )
     magnitudes = fidelity.FLOAT64_RANGE
     precision = "float64"
 

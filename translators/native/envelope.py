@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from crosstrace.native import _core
 from crosstrace.translators import readings as readings_of_the_specification
+from crosstrace.translators.channels import every
 from crosstrace.translators.effects import effects
 from crosstrace.translators.errors import RendererError
 from crosstrace.translators.renderer import Progress
@@ -56,7 +57,7 @@ class Envelope:
         np.maximum.at(widest, owner, reach)
         reach = np.where(m > 1, reach, widest[owner])
         room = widen * reach + np.broadcast_to(slack, (n,))[owner][:, None]
-        fits = (np.abs(values[owner] - (low + high) / 2) <= room).all(axis=1)
+        fits = every(np.abs(values[owner] - (low + high) / 2) <= room)
         answer[owner[fits]] = True
         return answer
 
@@ -64,7 +65,7 @@ class Envelope:
         """Say of each value whether it lies in the box of all samples, wider by a quarter."""
         low, high = self.colors.min(axis=1), self.colors.max(axis=1)
         room = 1.25 * (high - low) / 2 + np.broadcast_to(slack, (len(values),))[:, None]
-        return np.asarray((np.abs(values - (low + high) / 2) <= room).all(axis=1))
+        return every(np.abs(values - (low + high) / 2) <= room)
 
     @property
     def unseen(self) -> Floats:
@@ -85,7 +86,8 @@ class Envelope:
         c = np.arange(1, count)
         missed = np.cumprod(np.maximum(count - c - m, 0) / np.maximum(count - c, 1))
         chance = np.concatenate(([0.0, 1.0], missed)) * np.arange(count + 1) / max(count, 1)
-        return np.bincount(owner, chance[np.diff(starts, append=len(order))], minlength=n)
+        sizes = np.diff(starts, append=len(order))
+        return np.asarray(np.bincount(owner, chance[sizes], minlength=n), np.float64)
 
     def _groups(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
         """Sort all samples by pixel and tree: the pixel and the start of each group, the order."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from crosstrace.native import _core
 from crosstrace.translators import readings as readings_of_the_specification
+from crosstrace.translators.channels import every, largest
 from crosstrace.translators.effects import effects
 from crosstrace.translators.errors import RendererError, UsageError
 from crosstrace.translators.renderer import Progress
@@ -94,7 +95,7 @@ class Enclosures:
         """
         more = np.asarray(slack)[..., None]
         inside = (self.lo - more <= image) & (image <= self.hi + more)
-        return np.asarray(inside.all(axis=-1))
+        return every(inside)
 
     def fits_alternative(self, image: NDArray[np.float64], slack: Slack) -> NDArray[np.bool_]:
         """Say of each pixel whether a value fits one possible value, not merely their hull.
@@ -105,10 +106,28 @@ class Enclosures:
         value = image[self.undecidable][:, None, :]
         more = np.broadcast_to(slack, self.undecidable.shape)[self.undecidable][:, None, None]
         lo, hi = self.alternatives[:, :, 0] - more, self.alternatives[:, :, 1] + more
-        fits = ((lo <= value) & (value <= hi)).all(axis=-1)
+        fits = every((lo <= value) & (value <= hi))
         listed = np.arange(MAX_ALTERNATIVES) < self.n_alternatives[:, None]
         answer[self.undecidable] = (fits & listed).any(axis=-1)
         return answer
+
+    def distance(self, image: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far each pixel's value lies outside of what is possible, in its worst channel.
+
+        0 inside the enclosure, or inside an alternative of an undecidable pixel (otherwise from the
+        nearest one), and where there is no enclosure; ∞ for a value that is not a number.
+        """
+        value = image[self.undecidable][:, None, :]
+        lo, hi = self.alternatives[:, :, 0], self.alternatives[:, :, 1]
+        with np.errstate(invalid="ignore"):
+            far = np.maximum(largest(np.maximum(self.lo - image, image - self.hi)), 0.0)
+            each = np.maximum(largest(np.maximum(lo - value, value - hi)), 0.0)
+        listed = np.arange(MAX_ALTERNATIVES) < self.n_alternatives[:, None]
+        nearest = np.where(listed, each, np.inf).min(axis=-1)
+        far[self.undecidable] = np.where(self.n_alternatives > 0, nearest, far[self.undecidable])
+        far[~every(np.isfinite(self.lo))] = 0.0
+        far[~every(np.isfinite(image))] = np.inf
+        return np.asarray(far)
 
 
 def certify(
@@ -183,5 +202,5 @@ def violations(
         except RuntimeError as error:
             raise RendererError(f"certification: {error}") from None
         inside = (known.lo[row] <= image[0]) & (image[0] <= known.hi[row])
-        count += int(np.count_nonzero(~inside.all(axis=-1)))
+        count += int(np.count_nonzero(~every(inside)))
     return count

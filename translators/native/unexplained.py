@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crosstrace.translators.channels import every, largest
 from crosstrace.translators.ledger import Arithmetic, Emulation
 from crosstrace.translators.native.envelope import Envelope, Floats, envelope
 from crosstrace.translators.native.truth import MAX_ALTERNATIVES, certify
@@ -70,8 +71,8 @@ class Unexplained:
         self.left: Items = np.arange(len(pixels))
         self._pixels = np.ascontiguousarray(pixels, np.int64)
         self._values, self._slack = values, slack
-        largest = np.maximum(1.0, np.abs(values).max(axis=-1, initial=0.0))
-        self._room = slack + COLOR_UNITS * arithmetic.color_unit * largest
+        size = np.maximum(1.0, largest(np.abs(values)))
+        self._room = slack + COLOR_UNITS * arithmetic.color_unit * size
         self._error, self._threads = arithmetic.error, threads
 
     def take_enclosed(self, meaning: Emulation) -> Items:
@@ -81,7 +82,7 @@ class Unexplained:
         known = certify(
             meaning.scene, meaning.readings, pixels=self._pixels[self.left], threads=self._threads
         )
-        enclosed = np.isfinite(known.lo).all(axis=-1)
+        enclosed = every(np.isfinite(known.lo))
         fits = known.fits_alternative(self._values[self.left], self._slack[self.left])
         return self._take(self.left[enclosed & fits])
 
@@ -176,7 +177,7 @@ class Unexplained:
             variance += float((still * (1 - still)).sum())
             if missed > expected + BEFORE_THE_LAST_LOOK * np.sqrt(variance):
                 return False
-        return missed <= expected + 3 * np.sqrt(variance)
+        return bool(missed <= expected + 3 * np.sqrt(variance))
 
     def _impossible(self, meanings: Sequence[Emulation], items: Items) -> Items:
         for meaning in meanings:

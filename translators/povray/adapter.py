@@ -12,6 +12,7 @@ import contextlib
 import os
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,7 +22,8 @@ from crosstrace.translators.errors import (
     UnsupportedSceneError,
 )
 from crosstrace.translators.ledger import Ledger
-from crosstrace.translators.povray import declarations, output, picture, process
+from crosstrace.translators.leftovers import sweep
+from crosstrace.translators.povray import declarations, output, picture, process, tuning
 from crosstrace.translators.povray.plan import MAX_DEPTH
 from crosstrace.translators.readings import only_default
 from crosstrace.translators.renderer import (
@@ -33,10 +35,13 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
+from crosstrace.translators.sampling import only_centre
 from crosstrace.translators.scene import Scene
 
 #: POV-Ray's own limit (`configbackend.h`).
 _MAX_THREADS = 512
+
+_PREFIX = "crosstrace-povray-"
 
 
 class PovRay:
@@ -44,7 +49,9 @@ class PovRay:
 
     name = "povray"
     #: No max_depth: how deep the rays of a scene get, and what they carry, shows in rendering it.
-    capabilities = Capabilities(max_objects=1_000_000, stages={"parsing": "crosstrace"})
+    capabilities = Capabilities(
+        max_objects=1_000_000, bytes_per_pixel=64, stages={"parsing": "crosstrace"}
+    )
 
     def probe(self) -> Probe:
         """Find the program and ask for its version."""
@@ -73,13 +80,17 @@ class PovRay:
         self, scene: Scene, options: RenderOptions, progress: Progress | None = None
     ) -> Rendering:
         """Render a scene; see the protocol for what is raised."""
-        only_default(options.readings, self.name)
+        only_default(options.readings, self.name, options.tolerance)
+        only_centre(options.sampling, self.name)
+        tuned = tuning.read(options.tuning)
         program = process.find_program()
         started = time.perf_counter()
         analysis = picture.analyse(scene, options.effects)
         threads = min(options.threads or len(os.sched_getaffinity(0)), _MAX_THREADS)
         messages: list[str] = []
         passes: list[float] = []
+        rays: Counter[str] = Counter()
+        traced_s: list[float | None] = []
         with _private_directory() as directory:
             source, image = directory / "scene.pov", directory / "image.ppm"
             source.write_text(self.text(analysis, 1.0), encoding="ascii")
@@ -88,13 +99,15 @@ class PovRay:
 
             def render_at(scale: float) -> output.Picture:
                 image.unlink(missing_ok=True)
-                call = picture.arguments(scene, source.name, image.name, "P", str(threads))
+                call = picture.arguments(analysis.plan, source.name, image.name, "P", str(threads))
                 call += ["+V", f"Declare=output_scale={scale!r}"]
-                call += ["+GS"] if analysis.plan.deep else []
+                call += [*tuned.switches, "+GS"]
                 share = output.shared(progress, analysis.bound, len(passes))
                 passes.append(scale)
                 said = process.run(program, call, directory, options.timeout_s, share, since)
                 messages.extend(w for w in process.warnings(said) if w not in messages)
+                rays.update(process.rays(said))
+                traced_s.append(process.trace_seconds(said))
                 if analysis.plan.deep and process.exhausted(said):
                     raise UnsupportedSceneError(
                         f"POV-Ray traces at most max_depth {MAX_DEPTH}, found {scene.max_depth} "
@@ -102,31 +115,39 @@ class PovRay:
                     )
                 return output.read_ppm(image, scene.v_res, scene.h_res)
 
-            made = output.render_scaled(render_at, analysis.bound)
+            made = output.render_scaled(render_at, analysis.bound, tuned.output_scale)
             if progress is not None:
                 progress(1.0)
+        taken = time.perf_counter() - translated
+        # The program starts, waits for its own polls and ends again for every image.
+        known = [seconds for seconds in traced_s if seconds is not None]
+        traced = min(taken, sum(known)) if len(known) == len(traced_s) else taken
         return Rendering(
             image=made.image,
-            seconds=Seconds(0.0, translated - started, time.perf_counter() - translated),
+            seconds=Seconds(taken - traced, translated - started, traced),
             half_step=made.half_step,
             settings={
+                **({"rays": dict(rays)} if rays else {}),
+                **({"tuning": dict(options.tuning)} if options.tuning else {}),
                 "version": made.version,
                 "threads": threads,
                 "world_scale": analysis.scale,
                 "output_scale": made.scale,
                 "output_scales": list(made.passes),
                 "max_trace_level": analysis.plan.depth + 1,
+                "quality": analysis.plan.quality,
             },
             messages=messages,
         )
 
     def translate(self, scene: Scene, options: RenderOptions) -> Translation:
         """Write a scene description with a comment saying how to call plain `povray` for it."""
-        only_default(options.readings, self.name)
+        only_default(options.readings, self.name, options.tolerance)
         analysis = picture.analyse(scene, options.effects)
         name = picture.file_name(scene.name)
         scale = output.written_scale(analysis.bound)
-        command = " ".join(["povray", *picture.arguments(scene, f"{name}.pov", f"{name}.png", "N")])
+        arguments = picture.arguments(analysis.plan, f"{name}.pov", f"{name}.png", "N")
+        command = " ".join(["povray", *arguments])
         said = picture.comment(analysis, command, scale)
         return Translation({f"{name}.pov": said + self.text(analysis, scale)}, command)
 
@@ -135,7 +156,8 @@ class PovRay:
 def _private_directory() -> Iterator[Path]:
     made = tempfile.TemporaryDirectory
     try:
-        with made(prefix="crosstrace-povray-", ignore_cleanup_errors=True) as name:
+        sweep(Path(tempfile.gettempdir()), _PREFIX)
+        with made(prefix=_PREFIX, ignore_cleanup_errors=True) as name:
             yield Path(name)
     except OSError as error:
         raise RendererError(f"povray's files cannot be kept: {error}") from error

@@ -15,7 +15,7 @@ from crosstrace.translators.povray.sdl import Writer
 from crosstrace.translators.scene import Scene
 
 #: Linear 16-bit samples, one ray through each pixel's centre, no dithering, no window, no pause.
-_SWITCHES = "+Q8 -A -J -D -P -TH -GD -GR -GS +MB3 File_Gamma=1.0"
+_SWITCHES = "-A -J -D -P -TH -GD -GR -GS +MB3 File_Gamma=1.0"
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ def analyse(scene: Scene, requested: frozenset[str] | None = None) -> Analysis:
     return Analysis(reduced, side, lit, media(reduced, side), scale, bound)
 
 
-def arguments(scene: Scene, source: str, image: str, kind: str, threads: str = "") -> list[str]:
+def arguments(plan: Plan, source: str, image: str, kind: str, threads: str = "") -> list[str]:
     """Return the command line's arguments; `kind` is POV-Ray's letter of a file format."""
-    size = [f"+W{scene.h_res}", f"+H{scene.v_res}"]
+    size = [f"+W{plan.scene.h_res}", f"+H{plan.scene.v_res}", f"+Q{plan.quality}"]
     more = [f"+WT{threads}"] if threads else []
     return [f"+I{source}", f"+O{image}", f"+F{kind}16", *size, *_SWITCHES.split(), *more]
 

@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrace.translators.effects import BIT, effects, mask
+from crosstrace.translators.effects import BIT, effects, mask, of_delivery
 from crosstrace.translators.errors import UnsupportedSceneError
 from crosstrace.translators.scene import KA, KD, KR, KS, KT, SPHERE, Scene
 
@@ -52,6 +52,13 @@ class Plan:
         """Return the number of surfaces that can be seen."""
         return len(self.index)
 
+    @property
+    def quality(self) -> int:
+        """POV-Ray's `Quality`: 8 traces secondary rays, 4 shadow rays, 2 neither."""
+        if self.depth:
+            return 8
+        return 4 if self.shadows and len(self.lights) else 2
+
 
 def plan(scene: Scene, requested: frozenset[str] | None = None) -> Plan:
     """Reduce a scene to the effects requested (None: those that it calls for).
@@ -60,8 +67,11 @@ def plan(scene: Scene, requested: frozenset[str] | None = None) -> Plan:
     """
     index = _first_of_coincident(scene)
     called_for = effects(scene)
-    wanted = called_for.overall if requested is None else mask(requested) & called_for.overall
-    objects = called_for.objects[index] & np.uint16(wanted)
+    if requested is None:
+        wanted, objects = called_for.overall, called_for.objects[index]
+    else:
+        wanted = mask(requested & of_delivery(scene.delivery))
+        objects = np.full(len(index), wanted, np.uint16)
     material = scene.material[index].copy()
     for columns, names in (
         ((KA,), ("flat", "ambient")),
@@ -75,6 +85,8 @@ def plan(scene: Scene, requested: frozenset[str] | None = None) -> Plan:
             material[off, column] = 0.0
     lit = material[:, KD].any() or material[:, KS].any()
     depth = scene.max_depth if material[:, KR].any() or material[:, KT].any() else 0
+    bright = (scene.lights[:, :3] > 0).any(axis=1) | (requested is not None)
+    lights = scene.lights[bright] if lit else np.zeros((0, 6))
     made = Plan(
         scene=scene,
         index=index,
@@ -83,7 +95,7 @@ def plan(scene: Scene, requested: frozenset[str] | None = None) -> Plan:
         color=scene.color[index] / 255,
         material=material,
         ambient=scene.ambient / 255,
-        lights=scene.lights / ([255.0] * 3 + [1.0] * 3) if lit else np.zeros((0, 6)),
+        lights=lights / ([255.0] * 3 + [1.0] * 3),
         depth=min(depth, MAX_DEPTH),
         deep=depth > MAX_DEPTH,
         shadows=bool(wanted & BIT["shadows"]),

@@ -1,15 +1,15 @@
-"""Fixtures of the translators' tests: the oracle, and the course's official scenes if given."""
+"""Fixtures of the translators' tests: the oracle and random scenes."""
 
 from __future__ import annotations
 
 import importlib
-import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from official_scenes import official  # noqa: F401, pytest finds the fixture here
 
 from crosstrace.translators.scene import Scene
 
@@ -33,12 +33,3 @@ def random_scene() -> Callable[..., Scene]:
     """Return the generator of small random scenes."""
     make: Callable[..., Scene] = _beside("random_scenes").random_scene
     return make
-
-
-@pytest.fixture(scope="session")
-def official() -> Path:
-    """Return the folder of the course's official scenes and images."""
-    folder = os.environ.get("CROSSTRACE_COURSE")
-    if not folder:
-        pytest.skip("CROSSTRACE_COURSE does not name a folder of the course's official scenes")
-    return Path(folder)

@@ -75,7 +75,7 @@ def test_packaged_scenes_have_the_same_bits(path: Path, precision: str) -> None:
     scene = load(path)
     settings = {"precision": precision, "threads": "2"}
     assert _differing(scene.resized(45, 61), settings, VECTORS) == []
-    near = settings | {"light_min": "0.5", "shadow_min": "0.01"}
+    near = settings | {"light_min": "0.5", "shadow_min": "0.01", "tolerance": "0.02"}
     assert _differing(scene.resized(45, 61), near, VECTORS) == []
 
 
@@ -90,6 +90,8 @@ def test_random_scenes_have_the_same_bits(
     rng = np.random.default_rng(seed)
     settings = {"precision": precision, "threads": str(1 + seed % 3)}
     assert _differing(scene, settings, VECTORS) == []
+    pruned = settings | {"tolerance": str(10.0 ** rng.uniform(-6, -0.5))}
+    assert _differing(scene, pruned, VECTORS) == []
     masked = settings | {"effects": str(rng.integers(256)), "row_begin": "5", "row_end": "12"}
     assert _differing(scene, masked, VECTORS) == []
     assert _differing(scene, settings | READINGS[seed % len(READINGS)], VECTORS) == []
@@ -148,6 +150,7 @@ def test_trees_deeper_than_a_stream_have_the_same_bits(precision: str) -> None:
         f"{wall} / 0 -5 0 0.03 1 0 {ball} 9 9 9 1 200 200 200 1 1 1"
     )
     assert _differing(scene, {"precision": precision, "threads": "2"}, VECTORS) == []
+    assert _differing(scene, {"precision": precision, "tolerance": "1e-3"}, VECTORS) == []
     rays = _render(scene, {"precision": precision})[0]["rays"]
     assert rays.max() > 200
 

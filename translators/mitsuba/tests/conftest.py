@@ -1,15 +1,14 @@
-"""Fixtures of the Mitsuba tests: small scenes, the lanes, and the course's official scenes."""
+"""Fixtures of the Mitsuba tests: small scenes and the lanes."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from official_scenes import official  # noqa: F401, pytest finds the fixture here
 
 from crosstrace.translators.mitsuba.probe import probe
 from crosstrace.translators.registry import renderer
@@ -70,12 +69,3 @@ def make_scene() -> Callable[..., Scene]:
         return Scene.build(**{**camera, **fields})
 
     return build
-
-
-@pytest.fixture(scope="session")
-def official() -> Path:
-    """Return the folder of the course's official scenes and images."""
-    folder = os.environ.get("CROSSTRACE_COURSE")
-    if not folder:
-        pytest.skip("CROSSTRACE_COURSE does not name a folder of the course's official scenes")
-    return Path(folder)

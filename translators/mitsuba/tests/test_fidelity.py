@@ -42,6 +42,16 @@ def test_too_many_objects_are_refused_at_once(lane: str) -> None:
         renderer(lane).render(many(10**6), RenderOptions())
 
 
+def test_the_exact_lane_declares_that_it_cannot_take_many_objects() -> None:
+    """What it refuses stands in its ledger, with the reason."""
+    limit = renderer("mitsuba-f64").capabilities.max_objects
+    assert limit is not None
+    declared = {n: renderer("mitsuba-f64").ledger(many(n)).entries for n in (limit, limit + 1)}
+    assert [entry.fidelity for entry in declared[limit]] == ["approximated"]
+    assert [entry.fidelity for entry in declared[limit + 1]] == ["approximated", "unsupported"]
+    assert "every ray asks all" in declared[limit + 1][1].situation
+
+
 @pytest.mark.parametrize("lane", LANES)
 def test_too_many_pixels_are_refused(lane: str, make_scene: Build) -> None:
     """The image must fit memory."""

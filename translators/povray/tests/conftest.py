@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from official_scenes import official  # noqa: F401, pytest finds the fixture here
 
 from crosstrace.translators.povray.adapter import PovRay
 from crosstrace.translators.registry import renderer

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,12 +20,9 @@ OTHERS = ("espelho0", "espelho2", "japao", "olho", "piramide", "terra", "vidro4"
     "name", [*NAMES, *(pytest.param(name, marks=pytest.mark.slow) for name in OTHERS)]
 )
 def test_no_pixel_of_a_course_scene_departs(
-    name: str, beyond: Callable[[Scene], tuple[int, Rendering]]
+    name: str, official: Path, beyond: Callable[[Scene], tuple[int, Rendering]]
 ) -> None:
     """Every pixel is within 7.63e-6·K + 1e-5 of native, at 480×640 too."""
-    folder = os.environ.get("CROSSTRACE_COURSE")
-    if not folder:
-        pytest.skip("CROSSTRACE_COURSE does not name the folder of the course's scenes")
-    scene = load(Path(folder) / f"{name}.txt")
+    scene = load(official / f"{name}.txt")
     pixels, _ = beyond(scene)
     assert pixels == 0

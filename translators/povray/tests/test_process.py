@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -190,8 +191,11 @@ def test_nothing_is_left_behind(
     povray: PovRay, make_scene: Callable[..., Scene], tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    """The private directory is gone after a rendering, and the working directory is untouched."""
+    """The private directory is gone after a rendering, and one of a killed process long ago is."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    left = tmp_path / "crosstrace-povray-killed_1"
+    left.mkdir()
+    os.utime(left, (0, 0))
     before = sorted(Path().iterdir())
     povray.render(make_scene(v_res=2, h_res=2), OPTIONS)
     assert list(tmp_path.iterdir()) == []
