@@ -107,7 +107,8 @@ def _hides(scene: Scene, i: int, balls: NDArray[np.intp]) -> NDArray[np.bool_]:
 def _margin(scene: Scene, balls: NDArray[np.intp]) -> Array:
     place, radius = scene.geometry[balls, :3], scene.geometry[balls, 3]
     distance = np.linalg.norm(place - scene.eye, axis=1) + radius
-    return _MARGIN * distance + _coordinates(scene, place)
+    margin: Array = _MARGIN * distance + _coordinates(scene, place)
+    return margin
 
 
 def _coordinates(scene: Scene, places: Array) -> Array:

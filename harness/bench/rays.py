@@ -29,7 +29,7 @@ class Rays:
 
     def __len__(self) -> int:
         """Return the number of rays."""
-        return self.origins.shape[1]
+        return int(self.origins.shape[1])
 
 
 def of_picture(scene: Scene) -> list[Rays]:
