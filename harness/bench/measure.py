@@ -11,6 +11,7 @@ every lane is; intersection alone by the processor time of its one thread.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -22,6 +23,7 @@ from crosstrace.harness.lanes import LANES, REFERENCE
 from crosstrace.harness.sources import Source
 from crosstrace.translators.errors import CrosstraceError
 from crosstrace.translators.renderer import RenderOptions
+from crosstrace.translators.scene import Scene
 
 #: Scenes and size, unless asked otherwise.
 SCENES, SIZE = ("glass-bench", "phong-bench", "vidro4"), (1080, 1920)
@@ -71,11 +73,18 @@ def bench(sources: Sequence[Source], repeat: int, timeout_s: float, told: Told) 
 def _frames(
     source: Source, repeat: int, timeout_s: float, told: Callable[[float], None]
 ) -> list[dict[str, Any]]:
-    """Time whole frames: native on one thread and on two, then every lane on all cores."""
+    """Time whole frames: native on one thread and on two, then every lane on all cores.
+
+    The speed of one thread is taken of its processor time, which other programs take nothing from.
+    """
+    alone_s, n_rays = Runs(), 0
+    one_thread = Task(one_thread_frame, "bench", timeout_s=timeout_s, label="native")
     ways = {"one": (REFERENCE, 1), "two": (REFERENCE, 2)} | {lane: (lane, 0) for lane in LANES}
     runs = {key: Runs() for key in ways}
-    n_rays = 0
     for turn in range(repeat + 1):
+        seconds, n_rays = alone.call(one_thread, source.scene)
+        if turn > 0:
+            alone_s.values.append(seconds)
         for k, (key, (lane, threads)) in enumerate(ways.items()):
             told((turn + k / len(ways)) / (repeat + 1))
             if runs[key].status != "ok":
@@ -91,10 +100,7 @@ def _frames(
                 continue
             if turn > 0:
                 runs[key].values.append(frame.seconds.render)
-            if key == "one":
-                counted = frame.settings["rays"]
-                n_rays = sum(counted[kind] for kind in _KINDS)
-    made = [rows.rate(source.name, runs["one"], n_rays)]
+    made = [rows.rate(source.name, alone_s, n_rays)]
     if available_cores() > 1:
         made.append(rows.threads(source.name, runs["one"], runs["two"]))
     return made + [
@@ -110,7 +116,17 @@ def _intersection(source: Source, repeat: int, timeout_s: float) -> list[dict[st
     return found
 
 
-def measure_rays(name: str, scene: Any, repeat: int) -> list[dict[str, Any]]:
+def one_thread_frame(scene: Scene) -> tuple[float, int]:
+    """Render natively on one thread; return the processor time in seconds, and the rays."""
+    from crosstrace.harness.lanes import loaded
+
+    started = time.process_time()
+    made = loaded(REFERENCE).render(scene, RenderOptions(threads=1))
+    seconds = time.process_time() - started
+    return seconds, sum(made.settings["rays"][kind] for kind in _KINDS)
+
+
+def measure_rays(name: str, scene: Scene, repeat: int) -> list[dict[str, Any]]:
     """Measure nearest hits alone, ours and Embree's, and ours against the machine's peak.
 
     Runs in a worker, whose threads and memory are its own.

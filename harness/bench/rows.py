@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def rate(scene: str, one: Runs, n_rays: int) -> dict[str, Any]:
-    """Rays of every kind a second on one thread, with all of their shading."""
+    """Rays of every kind a second of one thread's processor time, with all of their shading."""
     runs = [n_rays / seconds / 1e6 for seconds in one.values]
     return _row(f"{scene}: all rays, 1 thread", runs, [], "Mrays/s", one, n_rays=n_rays)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -103,9 +104,10 @@ def test_arrays_of_another_size_are_refused(random_scene: Generator) -> None:
 
 def test_operations_are_counted_ray_by_ray() -> None:
     """A ray that hits a ball takes 29, one beside it 26, one away from it 14; a plane 14 or 13."""
-    camera = {"delivery": 1, "v_res": 1, "h_res": 1, "pixel_size": 1, "screen_distance": 1,
-              "eye": (0, 0, 0), "target": (0, 1, 0), "up": (0, 0, 1),
-              "background": (0, 0, 0)}  # fmt: skip
+    camera: dict[str, Any] = {
+        "delivery": 1, "v_res": 1, "h_res": 1, "pixel_size": 1, "screen_distance": 1,
+        "eye": (0, 0, 0), "target": (0, 1, 0), "up": (0, 0, 1), "background": (0, 0, 0),
+    }  # fmt: skip
     ball = Scene.build(objects=[sphere((9, 9, 9), (0, 5, 0), 1)], **camera)
     floor = Scene.build(objects=[plane((9, 9, 9), (0, 0, -1), (0, 0, 2))], **camera)
     down = np.array([[0.0, 0.6, -0.8]]).T
