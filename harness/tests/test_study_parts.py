@@ -21,7 +21,7 @@ from crosstrace.harness.study.labels import Labels
 from crosstrace.harness.study.pareto import front
 from crosstrace.harness.study.picture import picture
 from crosstrace.harness.study.points import Point, plan
-from crosstrace.harness.study.timing import spread
+from crosstrace.harness.study.timing import _goes_on, spread
 from crosstrace.translators.sampling import Sampling
 from crosstrace.translators.scene import Scene, plane
 
@@ -179,6 +179,15 @@ def test_numbers_of_the_table_are_short() -> None:
             for s in (1e-5, 0.999, 99.9) for r in (None, 5, 99999, 123456, 10**12)]  # fmt: skip
     widest = [max(map(len, column)) for column in zip(*rows, table.HEADER, strict=True)]
     assert sum(widest) + len(widest) - 1 <= 80
+
+
+def test_quick_renderings_are_run_more_often_and_slow_ones_less() -> None:
+    """Three at least; as often as asked within two seconds; on, for a quarter of one."""
+    assert _goes_on(2, 7, 1000.0)
+    assert _goes_on(6, 7, 1.9) and not _goes_on(3, 7, 2.1)
+    assert _goes_on(7, 7, 0.1) and not _goes_on(7, 7, 0.3)
+    assert not _goes_on(60, 7, 0.0)
+    assert _goes_on(60, 100, 0.3)
 
 
 def test_the_spread_is_half_the_distance_of_the_quartiles() -> None:
