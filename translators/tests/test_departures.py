@@ -33,7 +33,7 @@ def rendered(scene: Scene, precision: str = "f64") -> np.ndarray:
 def is_believed(scene: Scene, image: np.ndarray) -> bool:
     known = certify(scene)
     middle = 0.5 * (known.lo + known.hi)
-    departing = (np.abs(image - middle) > TOLERANCE).any(axis=2)
+    departing = np.asarray((np.abs(image - middle) > TOLERANCE).any(axis=2))
     slack = np.full(departing.shape, TOLERANCE)
     return as_often_as_samples(Emulation(scene, {}), known, departing, slack, FLOAT32)
 
