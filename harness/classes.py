@@ -6,15 +6,20 @@ In this order, each pixel in the first class that it fits (section 5 of the desi
 |---|---|
 | ``equal`` | lies in the certified enclosure, give or take the lane's tolerance |
 | ``undecidable`` | is one of the possible ones where real arithmetic leaves the pixel open |
-| ``rounding`` | is what an honest renderer of the lane's arithmetic may return |
+| ``rounding`` | is what an honest renderer of the lane's arithmetic and habits may return |
 | ``model`` | is neither, but both under the lane's declared habits: the ledger is proven here |
 | ``suspect`` | no sample of such arithmetic returns it, but the proof that none can is missing |
 | ``wrong`` | is impossible under the specification and under the declared habits |
 
 The tolerance is the lane's quantisation and 16 roundings of its colours. Only the pixels beyond it
 are looked at further, and habits are tried before rounding: they are the cheaper proof, and where
-habits alone explain a value its rounding is not in question. An undecidable pixel without an
-enclosure is ``undecidable`` whatever its value: the caps on that class are what bounds it.
+habits alone explain a value its rounding is not in question. A lane that declares habits rounds
+under these. Where only rounding under the specification itself explains a value (a shadow ray that
+meets its own surface at float32), it must explain the image, too: one that departs from truth more
+often than such rounding would, or less, has another cause, and these pixels are ``suspect``.
+
+An undecidable pixel without an enclosure is ``undecidable`` whatever its value: the caps on that
+class are what bounds it.
 """
 
 from __future__ import annotations
@@ -29,6 +34,7 @@ from numpy.typing import NDArray
 
 from crosstrace.translators.channels import every, largest
 from crosstrace.translators.ledger import Arithmetic, Emulation, Ledger
+from crosstrace.translators.native.departures import as_often_as_samples
 from crosstrace.translators.native.truth import Enclosures
 from crosstrace.translators.native.unexplained import Unexplained
 from crosstrace.translators.scene import Scene
@@ -114,13 +120,21 @@ def classify(
         threads,
     )
     flat = classes.reshape(-1)
-    meanings = [Emulation(scene, readings or {})]
+    specified = Emulation(scene, readings or {})
+    own = ledger.emulation or specified
     if ledger.emulation is not None:
-        meanings.append(ledger.emulation)
-        flat[differing[left.take_enclosed(ledger.emulation)]] = Class.MODEL
-    for found, meaning in left.take_rounded(meanings):
-        flat[differing[found]] = Class.MODEL if meaning else Class.ROUNDING
-    flat[differing[left.take_possible(meanings)]] = Class.SUSPECT
+        flat[differing[left.take_enclosed(own)]] = Class.MODEL
+    left.drop_impossible([specified, own])
+    rounded = left.take_rounded(own)
+    both = rounded if own is specified else rounded[left.are_rounded(specified, rounded)]
+    flat[differing[rounded]] = Class.MODEL
+    flat[differing[both]] = Class.ROUNDING
+    if own is not specified and len(left.left):
+        departing = np.zeros(classes.shape, np.bool_)
+        departing.reshape(-1)[differing[left.left]] = True
+        if as_often_as_samples(specified, truth, departing, slack, ledger.arithmetic, threads):
+            flat[differing[left.take_rounded(specified)]] = Class.ROUNDING
+    flat[differing[left.take_possible([specified, own])]] = Class.SUSPECT
     # Which of the possible values rounding led to is open where truth itself is.
     flat[(flat == Class.ROUNDING) & truth.undecidable.ravel()] = Class.UNDECIDABLE
     at_one = float(tolerance(np.ones(3), ledger.arithmetic, half_step))

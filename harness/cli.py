@@ -33,6 +33,7 @@ COMMANDS = {
     "bless": "Accept new results as goldens, with a reason.",
     "effects": "Say what a scene calls for, object by object.",
     "stability": "Say how far the result can be trusted numerically.",
+    "study": "Say what accuracy costs in time.",
     "bench": "Measure the native tracer against its peers.",
     "report": "Draw the page again from a report.json.",
     "doctor": "Say which renderers work here, and how to install what is missing.",

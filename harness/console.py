@@ -1,7 +1,8 @@
 """What people see: results on the standard output, progress and notes on the standard error.
 
-On a terminal progress is a bar, elsewhere it is plain lines. Colours stand on terminals only, and
-never under `NO_COLOR`. Tables are at most 80 columns wide.
+On a terminal progress is a bar, elsewhere it is plain lines; both say the stage, the rate and the
+time left. Colours stand on terminals only, and never under `NO_COLOR`; nothing is said by colour
+alone. Tables are at most 80 columns wide.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TextIO
+
+from crosstrace.harness.pace import Pace
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,6 +29,9 @@ WIDTH = 80
 #: Elsewhere than on a terminal, a line of progress no more often than this.
 LINE_EVERY_S = 2.0
 
+#: Characters of a bar's words, so that with count, rate and time left they keep within 80 columns.
+_STAGE, _WORDS = 10, 24
+
 #: A word of a table → its colour.
 STYLES = {"ok": "green", "missing": "red", "failed": "red", "unsupported": "yellow"}
 
@@ -33,24 +39,36 @@ STYLES = {"ok": "green", "missing": "red", "failed": "red", "unsupported": "yell
 class Bar:
     """Progress that is told in steps; on a terminal a bar, elsewhere lines, quiet: nothing."""
 
-    def __init__(self, quiet: bool, rich_bar: RichProgress | None, task: TaskID | None) -> None:
+    def __init__(
+        self, quiet: bool, rich_bar: RichProgress | None, task: TaskID | None, counted: bool = True
+    ) -> None:
         """Take the bar of a terminal; None elsewhere."""
         self._quiet, self._rich, self._task = quiet, rich_bar, task
+        self._counted, self._pace = counted, Pace()
         self._last_line_s = time.monotonic()
 
-    def update(self, done: float, total: float, text: str = "", failed: bool = False) -> None:
-        """Show how far the work is and what was last done; a failure always gets a line."""
+    def update(
+        self, done: float, total: float, text: str = "", failed: bool = False, stage: str = ""
+    ) -> None:
+        """Show how far the work is, in which stage, and what was last done.
+
+        A failure always gets a line.
+        """
+        whole = f"{stage} {text}".strip()
         if self._rich is not None and self._task is not None:
-            description = {"description": _cut(text)} if text else {}
-            self._rich.update(self._task, completed=done, total=total, **description)
+            changed = {"description": _cut(text, _WORDS)} if text else {}
+            changed |= {"stage": _cut(stage, _STAGE)} if stage else {}
+            pace = self._pace.text(done, total, self._counted)
+            self._rich.update(self._task, completed=done, total=total, pace=pace, **changed)
             if failed:
-                self._rich.console.print(text, style="red", markup=False, highlight=False)
+                self._rich.console.print(whole, style="red", markup=False, highlight=False)
             return
         now = time.monotonic()
         is_due = failed or done >= total or now - self._last_line_s >= LINE_EVERY_S
         if text and is_due and not self._quiet:
             self._last_line_s = now
-            _write(sys.stderr, f"[{done:.0f}/{total:.0f}] {text}")
+            pace = self._pace.text(done, total, self._counted)
+            _write(sys.stderr, f"[{done:.0f}/{total:.0f}] {whole}" + (f" ({pace})" if pace else ""))
 
 
 @contextmanager
@@ -58,7 +76,7 @@ def progress(quiet: bool, text: str, counted: bool = True) -> Iterator[Bar]:
     """Show progress while the block runs: `counted` steps, otherwise a percentage."""
     if quiet or not is_terminal(sys.stderr):
         note(text, quiet)
-        yield Bar(quiet, None, None)
+        yield Bar(quiet, None, None, counted)
         return
     from rich.progress import (
         BarColumn,
@@ -66,14 +84,16 @@ def progress(quiet: bool, text: str, counted: bool = True) -> Iterator[Bar]:
         Progress,
         TaskProgressColumn,
         TextColumn,
-        TimeElapsedColumn,
     )
 
     count = MofNCompleteColumn() if counted else TaskProgressColumn()
-    words = TextColumn("{task.description}", markup=False)
-    columns = (BarColumn(20), count, TimeElapsedColumn(), words)
+    words = ("{task.fields[stage]}", "{task.fields[pace]}", "{task.description}")
+    stage, pace, last = (TextColumn(word, markup=False) for word in words)
+    columns = (BarColumn(12), count, pace, stage, last)
     with Progress(*columns, console=_console(sys.stderr), transient=True) as bar:
-        yield Bar(quiet, bar, bar.add_task(_cut(text), total=None if counted else 1.0))
+        total = None if counted else 1.0
+        task = bar.add_task(_cut(text, _WORDS), total=total, stage="", pace="")
+        yield Bar(quiet, bar, task, counted)
 
 
 def observer(bar: Bar) -> Callable[[Event], None]:
@@ -82,9 +102,10 @@ def observer(bar: Bar) -> Callable[[Event], None]:
     def observe(event: Event) -> None:
         if event.kind != "start":
             part = event.fraction if event.kind == "progress" else 0.0
-            words = " ".join(word for word in (event.what, event.scene, event.lane) if word)
+            words = " ".join(word for word in (event.scene, event.lane) if word)
             text = f"{words}: {event.message}" if event.message else words
-            bar.update(event.done + part, event.total, text, event.kind == "failed")
+            failed = event.kind == "failed"
+            bar.update(event.done + part, event.total, text, failed, stage=event.what)
 
     return observe
 
@@ -147,7 +168,7 @@ def _console(stream: TextIO) -> Console:
     return Console(file=stream, width=width, force_terminal=terminal, highlight=False, emoji=False)
 
 
-def _cut(text: str, length: int = 40) -> str:
+def _cut(text: str, length: int) -> str:
     return text if len(text) <= length else text[: length - 1] + "…"
 
 

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 #: A fault that changes no more pixels than this need not be caught.
 CHANGED_ENOUGH = 20
 
-#: Takes a scene, one rendering a lane and the lane that has the fault; returns whether the
-#: disagreement is caught, and whether it is blamed on that lane and no other. `Court` is one.
+#: Takes a scene, one rendering a lane and the lane that has the fault, "" for none; returns whether
+#: the disagreement is caught, and whether it is blamed on that lane and no other. `Court` is one.
 Judge = Callable[[Source, Mapping[str, Rendering], str], tuple[bool, bool]]
 
 
@@ -94,11 +94,21 @@ def rows(
     """Plant the faults, scene by scene and lane by lane, in the order of the arguments.
 
     Every image is rendered through the executor; `options.timeout_s` bounds each. The images of one
-    lane and scene are in memory together.
+    lane and scene are in memory together. A scene of which the judge catches the honest renderings
+    proves nothing of faults: its rows have that as their error.
     """
     options = options or RenderOptions(threads=1, timeout_s=120.0)
     for source in sources:
         honest = _honest(source, executor, lanes, options)
+        made = {lane: it for lane, it in honest.items() if isinstance(it, Rendering)}
+        if judge is not None and made and judge(source, made, "")[0]:
+            yield from (
+                _row(source, fault, lane, error="without a fault: the lanes disagree")
+                for lane in lanes
+                for fault in faults
+                if lane in fault.lanes
+            )
+            continue
         for lane in lanes:
             yield from _of_lane(source, executor, faults, lane, options, honest, judge)
 

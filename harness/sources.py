@@ -98,6 +98,15 @@ def from_scenes(
     return [_distinct(_resized(source, size), taken) for source in named]
 
 
+def sized(scene: Scene, size: tuple[int, int] | None, most_rows: int) -> Scene:
+    """Return a scene at a size (rows, columns); None: its own, reduced to so many rows at most."""
+    if size is not None:
+        return scene.resized(*size)
+    if scene.v_res <= most_rows:
+        return scene
+    return scene.resized(most_rows, max(1, round(scene.h_res * most_rows / scene.v_res)))
+
+
 def _named(scene: Scene) -> Source:
     prefix, _, name = scene.path.partition(":")
     found = _packaged(name) if prefix == "crosstrace" else None

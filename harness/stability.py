@@ -15,7 +15,7 @@ from crosstrace.harness import metamorphic, tasks
 from crosstrace.harness.jobs import Task, WorkerPool, available_cores
 from crosstrace.harness.lanes import LANES
 from crosstrace.harness.metamorphic import Outcome
-from crosstrace.harness.sources import Source
+from crosstrace.harness.sources import Source, sized
 from crosstrace.translators.errors import (
     CrosstraceError,
     RendererMissingError,
@@ -78,18 +78,29 @@ class Entry:
 
 @dataclass(frozen=True)
 class Event:
-    """A job that ended: of which scene, by what; `failed` where it gave no result."""
+    """A job that ended: of which scene, by what; `failed` where it gave no result.
+
+    `stage` names the part of the work that it belongs to.
+    """
 
     done: int
     total: int
     scene: str
     what: str
     failed: str = ""
+    stage: str = ""
+
+    @property
+    def progress(self) -> tuple[int, int, str, bool]:
+        """Steps done, of how many, what ended in words, and whether it failed."""
+        text = f"{self.scene} {self.what}".strip()
+        text += f": {self.failed}" if self.failed else ""
+        return self.done, self.total, text, bool(self.failed)
 
 
 def entries(sources: Sequence[Source], size: tuple[int, int] | None) -> list[Entry]:
     """Return what is to be measured, at the size at which it is."""
-    return [Entry(source, _sized(source.scene, size)) for source in sources]
+    return [Entry(source, sized(source.scene, size, MOST_ROWS)) for source in sources]
 
 
 def study(todo: Sequence[Entry], options: Options) -> Iterator[Event]:
@@ -110,7 +121,8 @@ def study(todo: Sequence[Entry], options: Options) -> Iterator[Event]:
         for done, future in enumerate(as_completed(jobs), 1):
             entry, lane = jobs[future]
             failed = _keep(entry, lane, future)
-            yield Event(done, len(jobs), entry.source.name, lane or "rungs", failed)
+            stage = "relations" if lane else "rungs"
+            yield Event(done, len(jobs), entry.source.name, lane, failed, stage)
 
 
 def exit_status(done: Sequence[Entry]) -> int:
@@ -169,11 +181,3 @@ def _keep(entry: Entry, lane: str, future: Future[Any]) -> str:
     if stated and entry.at_own_size:
         entry.departures = departures(result.rungs, stated)
     return ""
-
-
-def _sized(scene: Scene, size: tuple[int, int] | None) -> Scene:
-    if size is not None:
-        return scene.resized(*size)
-    if scene.v_res <= MOST_ROWS:
-        return scene
-    return scene.resized(MOST_ROWS, max(1, round(scene.h_res * MOST_ROWS / scene.v_res)))

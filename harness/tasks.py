@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
+from crosstrace.translators.sampling import CENTRE
 from crosstrace.translators.scene import Scene
 
 if TYPE_CHECKING:
@@ -186,6 +188,8 @@ def drawn(
     where the answer is no image.
     """
     limits = renderer.capabilities
+    if options.sampling.kind == "regular" and not limits.samples:
+        return _averaged(renderer, scene, options, progress)
     for what, value, limit in (
         ("objects", len(scene), limits.max_objects),
         ("bounces", scene.max_depth, limits.max_depth),
@@ -203,3 +207,19 @@ def drawn(
         raise RendererError(f"{renderer.name}: expected an image {scene.shape}, found {found}")
     made.image = np.ascontiguousarray(made.image, np.float64)
     return made, memory.mib
+
+
+def _averaged(
+    renderer: Renderer, scene: Scene, options: RenderOptions, progress: Progress | None
+) -> tuple[Rendering, float]:
+    """Render a finer frame, whose pixels' centres are the regular samples, and average them."""
+    side = options.sampling.side
+    fine = scene.resized(scene.v_res * side, scene.h_res * side)
+    made, peak_mib = drawn(renderer, fine, replace(options, sampling=CENTRE), progress)
+    started = time.perf_counter()
+    blocks = made.image.reshape(scene.v_res, side, scene.h_res, side, 3)
+    made.image = blocks.mean(axis=(1, 3))
+    made.seconds.render += time.perf_counter() - started
+    made.settings["sampling"] = str(options.sampling)
+    made.layers = {}
+    return made, peak_mib

@@ -116,20 +116,28 @@ def render(
     outputs: dict[str, Any],
     progress: Callable[[float], object] | None,
     tree: Any = None,
+    cells: Any = None,
+    side: int = 1,
     /,
 ) -> dict[str, int]:
     """Render into the caller's arrays and return the ray counts.
 
     `settings` are readings and precision, rounding (nearest, up, down, zero), instructions (the
     most to use: generic, fma, avx2, avx512, native), search (auto, scan, tree: how objects are
-    found, the same bits), threads, effects, tolerance, ray_budget, row_begin, row_end, as texts.
-    `outputs` maps names to C-contiguous arrays over the rendered rows: image (3 float64 a pixel),
-    object (int32), t (float64), normal (3 float64), tree (uint64), rays (uint32), contributions
-    (6 × 3 float64), image_low (3 float64: what rounding `image` to double left out).
-    Raises ValueError for a wrong setting or array, RuntimeError
-    where the tracer gave up, and whatever `progress` raised. `tree` is what `tree()` returned of
-    the same arrays: many spheres are then not sorted again.
+    found, the same bits), threads, effects, tolerance, ray_budget, jitter (a seed), row_begin,
+    row_end, as texts. `outputs` maps names to C-contiguous arrays over the rendered rows: image
+    (3 float64 a pixel), object (int32), t (float64), normal (3 float64), tree (uint64), rays
+    (uint32), contributions (6 × 3 float64), image_low (3 float64: what rounding `image` to double
+    left out).
+    Raises ValueError for a wrong setting or array, RuntimeError where the tracer gave up, and
+    whatever `progress` raised. `tree` is what `tree()` returned of the same arrays: many spheres
+    are then not sorted again. `cells`, a C-contiguous int64 array, asks for some squares of
+    side × side pixels, row·(h_res/side) + column; arrays then have one entry a pixel of them, in
+    that order.
     """
 
-def tree(scene: tuple[Any, ...], /) -> Any:
-    """Sort a scene's spheres into a tree, for several calls of `render`; MemoryError."""
+def tree(scene: tuple[Any, ...], progress: Callable[[float], object] | None, /) -> Any:
+    """Sort a scene's spheres into a tree, for several calls of `render`.
+
+    `progress` is called with 0, and ends the work by an exception. Raises MemoryError besides.
+    """

@@ -107,8 +107,7 @@ def _hides(scene: Scene, i: int, balls: NDArray[np.intp]) -> NDArray[np.bool_]:
 def _margin(scene: Scene, balls: NDArray[np.intp]) -> Array:
     place, radius = scene.geometry[balls, :3], scene.geometry[balls, 3]
     distance = np.linalg.norm(place - scene.eye, axis=1) + radius
-    margin: Array = _MARGIN * distance + _coordinates(scene, place)
-    return margin
+    return np.asarray(_MARGIN * distance + _coordinates(scene, place))
 
 
 def _coordinates(scene: Scene, places: Array) -> Array:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.translators.ledger import Ledger
+from crosstrace.translators.sampling import CENTRE, Sampling
 from crosstrace.translators.scene import Scene
 
 #: What a renderer does, in the order of the data: where two can be right or wrong for one reason.
@@ -45,7 +46,8 @@ class Capabilities:
 
     `stages` names who does each of `STAGES`, where that is not the renderer itself: two renderers
     with the same name there are one witness, not two. `bytes_per_pixel` is what rendering one takes
-    at the peak, as measured, and `layer_bytes_per_pixel` what its layers take besides.
+    at the peak, as measured, and `layer_bytes_per_pixel` what its layers take besides. `samples`
+    says whether it takes a `sampling` other than a pixel's centre.
     """
 
     max_objects: int | None = None
@@ -54,6 +56,7 @@ class Capabilities:
     bytes_per_pixel: int = 24
     layer_bytes_per_pixel: int = 0
     stages: Mapping[str, str] = field(default_factory=dict)
+    samples: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,8 @@ class RenderOptions:
     calls for (`effects.py`). `timeout_s` bounds an external program; None: no bound. `layers` asks
     for the side outputs of a renderer that has them. With `tolerance` > 0 (only
     `native` takes one) secondary rays are left out that can hardly matter: no channel gets
-    brighter, or darker by more than that.
+    brighter, or darker by more than that. `sampling` says how a pixel is sampled (`sampling.py`);
+    `tuning` sets what only this renderer has, by its own names.
     """
 
     threads: int = 0
@@ -75,14 +79,16 @@ class RenderOptions:
     timeout_s: float | None = None
     layers: bool = False
     tolerance: float = 0.0
+    sampling: Sampling = CENTRE
+    tuning: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass
 class Seconds:
     """Wall time of the stages of one rendering, in seconds.
 
-    `startup` is what a first image of this renderer pays (imports, probing, a program's start) and
-    later ones in the same process do not; it is 0 for them.
+    `startup` is what is paid apart from the image: imports and probing, by the first image of a
+    process alone, and the start and end of an external program, by every image.
     """
 
     startup: float = 0.0

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from crosstrace.harness import console
 from crosstrace.harness.commands import options
+
+if TYPE_CHECKING:
+    from crosstrace.harness.session import RunOptions
 
 
 @click.command("check")
@@ -18,6 +21,8 @@ from crosstrace.harness.commands import options
 @click.option("-o", "--output", metavar="DIR", type=click.Path(path_type=Path),
               help="Keep the report of this run, and check.json.")  # fmt: skip
 @options.junit
+@click.option("--faults", is_flag=True,
+              help="Prove the suite: plant faults, and say which are caught.")  # fmt: skip
 @options.renderers
 @options.scene_options
 @options.threads
@@ -30,6 +35,7 @@ def command(
     reference: Path | None,
     output: Path | None,
     junit: Path | None,
+    faults: bool,
     renderers: str | None,
     size: tuple[int, int] | None,
     delivery: int | None,
@@ -44,6 +50,10 @@ def command(
     Without a SCENE it takes all packaged ones, or those in the folder of --reference. A scene
     without a golden fails, and its golden is made. The exit status is 1 where something changed
     that rounding does not explain, 3 where a renderer is missing or failed.
+
+    With --faults every fault of a catalogue is planted in every renderer instead, on the packaged
+    course scenes or those named, at 60 rows unless --size says otherwise. The exit status is 1
+    where a fault that changes more than 20 pixels is not caught, or not blamed on its renderer.
     """
     from crosstrace.harness import regression
     from crosstrace.harness.goldens import located
@@ -52,10 +62,12 @@ def command(
     from crosstrace.harness.session import RunOptions
 
     lanes = chosen(renderers)
+    how = RunOptions(lanes, jobs or 0, threads, timeout, size=size)
+    if faults:
+        return _plant(scenes, (reference, junit), delivery, how, output, as_json, quiet)
     if junit is not None:
         options.check_target(junit)
     sources = options.suite(scenes, reference, delivery, size)
-    how = RunOptions(lanes, jobs or 0, threads, timeout, size=size)
     with console.progress(quiet, f"scenes: {len(sources)}, renderers: {', '.join(lanes)}") as bar:
         checked = regression.check(
             sources, located(reference), how, out=output, events=console.observer(bar)
@@ -68,6 +80,26 @@ def command(
         if output is not None and not quiet:
             console.result(f"\nreport: {output / PAGE_NAME}")
     return regression.exit_status(checked)
+
+
+def _plant(
+    scenes: tuple[str, ...],
+    others: tuple[Path | None, ...],
+    delivery: int | None,
+    how: RunOptions,
+    output: Path | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    from crosstrace.harness.commands.planted import plant
+    from crosstrace.harness.sources import find
+    from crosstrace.translators.errors import UsageError
+
+    if any(others):
+        raise UsageError("--faults: expected neither --reference nor --junit with it")
+    if output is not None:
+        options.check_directory(output)
+    return plant(find(scenes, delivery=delivery), how, output, as_json, quiet)
 
 
 def _write(checked: dict[str, Any], output: Path | None, junit: Path | None) -> None:

@@ -35,6 +35,18 @@ reference = click.option(
 precision = click.option(
     "--precision", default="f64", show_default=True, help="Arithmetic of native."
 )
+sampling = click.option(
+    "--sampling", default="centre", show_default=True, metavar="HOW",
+    help="Samples of a pixel: centre, regular:K, jittered:K[:SEED] or adaptive:K, K a side.",
+)  # fmt: skip
+tuning = click.option(
+    "--tune", "tuning", multiple=True, metavar="NAME=VALUE",
+    help="A setting of the renderer's own, such as povray's antialias=0.1; may be repeated.",
+)  # fmt: skip
+max_depth = click.option(
+    "--max-depth", type=click.IntRange(0), metavar="N",
+    help="Another number of bounces than the scene states.",
+)  # fmt: skip
 threads = click.option(
     "--threads", type=click.IntRange(0), default=0, help="Threads of the renderer; 0: all cores."
 )
@@ -77,6 +89,20 @@ def one_scene(text: str, delivery: int | None, size: tuple[int, int] | None) -> 
     from crosstrace.harness.sources import find_one
 
     return find_one(text, delivery=delivery, size=size)
+
+
+def deepened(source: Source, max_depth: int | None) -> Source:
+    """Return the scene with another number of bounces; raises UsageError where none are traced."""
+    from dataclasses import replace
+
+    from crosstrace.translators.errors import UsageError
+
+    if max_depth is None:
+        return source
+    if source.scene.delivery < 3:
+        raise UsageError(f"--max-depth: expected a scene of delivery 3, found {source.name}")
+    scene = replace(source.scene, max_depth=max_depth, checked=False)
+    return replace(source, scene=scene, expected=None)
 
 
 def suite(

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 @options.precision
 @click.option("--tolerance", type=click.FloatRange(0, 1e100), default=0.0, metavar="T",
               help="Native: leave out rays that darken no channel by more than T.")  # fmt: skip
+@options.max_depth
+@options.sampling
+@options.tuning
 @click.option("--aov", is_flag=True, help="Add native's side outputs to an .npz: object, t, "
               "normal, tree, rays, contributions.")  # fmt: skip
 @click.option("--certify", is_flag=True,
@@ -43,6 +46,9 @@ def command(
     settings: tuple[str, ...],
     precision: str,
     tolerance: float,
+    max_depth: int | None,
+    sampling: str,
+    tuning: tuple[str, ...],
     aov: bool,
     certify: bool,
     size: tuple[int, int] | None,
@@ -60,6 +66,8 @@ def command(
     from crosstrace.harness import alone, images
     from crosstrace.harness.bands import is_large
     from crosstrace.harness.lanes import REFERENCE
+    from crosstrace.translators import sampling as samplings
+    from crosstrace.translators.readings import split
     from crosstrace.translators.renderer import RenderOptions
 
     lane = options.one_lane(lane)
@@ -67,10 +75,12 @@ def command(
     _check(lane, output, rule, {"--aov": aov, "--certify": certify,
                                 f"--precision {precision}": precision != "f64",
                                 f"--tolerance {tolerance:g}": tolerance > 0})  # fmt: skip
-    source = options.one_scene(scene, delivery, size)
+    source = options.deepened(options.one_scene(scene, delivery, size), max_depth)
     how = RenderOptions(threads, readings, precision, timeout_s=timeout, layers=aov,
-                        tolerance=tolerance)  # fmt: skip
-    in_bands = lane == REFERENCE and not aov and not certify and is_large(*source.scene.shape[:2])
+                        tolerance=tolerance, sampling=samplings.parse(sampling),
+                        tuning=split(tuning))  # fmt: skip
+    large = is_large(*source.scene.shape[:2]) and how.sampling == samplings.CENTRE
+    in_bands = lane == REFERENCE and not aov and not certify and large
     with console.progress(quiet, f"{source.name} by {lane}", counted=False) as bar:
 
         def told(share: float) -> None:

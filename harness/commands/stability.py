@@ -67,9 +67,7 @@ def command(
         options.check_directory(output)
     with console.progress(quiet, f"scenes: {len(todo)}") as bar:
         for event in stability.study(todo, how):
-            text = f"{event.scene} {event.what}"
-            failed = f": {event.failed}" if event.failed else ""
-            bar.update(event.done, event.total, text + failed, bool(failed))
+            bar.update(*event.progress, stage=event.stage)
     if output is not None:
         from crosstrace.harness.stability_files import publish
 

@@ -158,3 +158,22 @@ def _is_gone(pid: int) -> bool:
             return True
         time.sleep(0.05)
     return False
+
+
+def test_progress_says_stage_rate_and_time_left(tmp_path: Path) -> None:
+    """On a terminal the bar has them beside the count, within 80 columns, and no colour under
+    NO_COLOR; elsewhere lines end with them.
+    """
+    scene_file(tmp_path)
+    words = ("study", tmp_path / "tiny.txt", "--renderers", "native", "--samples", "4",
+             "--size", "48x64")  # fmt: skip
+    status, shown = on_terminal(*words, env={"NO_COLOR": "1"})
+    assert status == 0
+    plain = re.sub(rb"\x1b\[[0-9;?]*[A-Za-z]", b"", shown).decode()
+    bars = [line for line in re.split(r"[\r\n]+", plain) if re.search(r"\d+/\d+ ", line)]
+    assert any(re.search(r"\d+/\d+ +[\d.]+(/s|s each), .* left +timing +tiny", it) for it in bars)
+    assert max(map(len, bars)) <= 80
+    assert not COLOR.search(shown)
+    done = call(*words)
+    assert done.returncode == 0
+    assert re.search(r"^\[\d+/\d+\] timing tiny .* \(in [\d.]+ s\)$", done.stderr, re.M)

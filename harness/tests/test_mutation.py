@@ -48,6 +48,9 @@ def test_a_judge_sees_the_faulty_lane_among_honest_ones() -> None:
     seen: list[tuple[str, str]] = []
 
     def judge(source: Source, made: Mapping[str, Rendering], lane: str) -> tuple[bool, bool]:
+        if not lane:
+            seen.append((source.name, lane))
+            return False, False
         for name, it in made.items():
             honest = tasks.render(name, source.scene, OPTIONS)[0].image
             assert np.array_equal(it.image, honest) == (name != lane)
@@ -64,7 +67,7 @@ def test_a_judge_sees_the_faulty_lane_among_honest_ones() -> None:
                 judge=judge,
         )  # fmt: skip
         made = list(table)
-    assert seen == [("venn", "native")] * 2 + [("venn", "mitsuba-f64")] * 2
+    assert seen == [("venn", "")] + [("venn", "native")] * 2 + [("venn", "mitsuba-f64")] * 2
     assert [(row.caught, row.blamed) for row in made] == [
         (None, None), (True, True), (True, True), (None, None), (True, False), (True, False),
     ]  # fmt: skip
@@ -74,7 +77,8 @@ def test_a_fault_that_changes_too_little_is_not_judged() -> None:
     """Twenty pixels and fewer need not be caught."""
 
     def judge(source: Source, made: Mapping[str, Rendering], lane: str) -> tuple[bool, bool]:
-        raise AssertionError("nobody asks")
+        assert not lane, "nobody asks"
+        return False, False
 
     with ThreadPoolExecutor(1) as executor:
         (row,) = mutation.rows(
@@ -84,6 +88,21 @@ def test_a_fault_that_changes_too_little_is_not_judged() -> None:
     assert row.changed is not None
     assert 0 < row.changed <= mutation.CHANGED_ENOUGH
     assert row.caught is None
+
+
+def test_a_scene_that_is_not_explained_without_a_fault_proves_nothing() -> None:
+    """What the judge catches in honest renderings is an error of every row, no fault caught."""
+
+    def judge(source: Source, made: Mapping[str, Rendering], lane: str) -> tuple[bool, bool]:
+        assert not lane
+        return True, False
+
+    with ThreadPoolExecutor(1) as executor:
+        made = list(
+            mutation.rows(_sources("venn"), executor, faults=FEW, lanes=["native"], judge=judge)
+        )
+    assert [row.error for row in made] == ["without a fault: the lanes disagree"] * len(FEW)
+    assert all(row.changed is row.caught is row.blamed is None for row in made)
 
 
 def test_a_lane_that_fails_says_so_in_its_rows_and_takes_no_other_down() -> None:

@@ -35,6 +35,8 @@ static int apply_setting(call *c, const char *name, const char *value) {
     ct_options_set_effects(c->options, (unsigned)strtoul(value, NULL, 10));
   else if (strcmp(name, "ray_budget") == 0)
     ct_options_set_ray_budget(c->options, strtoull(value, NULL, 10));
+  else if (strcmp(name, "jitter") == 0)
+    ct_options_set_jitter(c->options, strtoull(value, NULL, 10));
   else if (strcmp(name, "row_begin") == 0)
     c->row_begin = (Py_ssize_t)strtoll(value, NULL, 10);
   else if (strcmp(name, "row_end") == 0)

@@ -183,8 +183,10 @@ static PyMethodDef methods[] = {
     {"explain", core_explain, METH_VARARGS,
      "explain(scene tuple, settings, row, column, capacity, progress) -> tree; see _core.pyi"},
     {"render", core_render, METH_VARARGS,
-     "render(scene tuple, settings, outputs, progress, tree=None) -> stats; see _core.pyi"},
-    {"tree", core_tree, METH_O, "tree(scene tuple) -> its tree, for render; see _core.pyi"},
+     "render(scene tuple, settings, outputs, progress, tree=None, cells=None, side=1) -> stats; see "
+     "_core.pyi"},
+    {"tree", core_tree, METH_VARARGS,
+     "tree(scene tuple, progress) -> its tree, for render; see _core.pyi"},
     {"intersect", core_intersect, METH_VARARGS,
      "intersect(scene tuple, settings, n, origins, directions, passes, outputs); see _core.pyi"},
     {"peak_flops", core_peak_flops, METH_VARARGS, "peak_flops(instructions, seconds) -> float"},

@@ -63,6 +63,6 @@ PyObject *core_call_each(PyObject *module, PyObject *arguments);
 PyObject *core_intersect(PyObject *module, PyObject *arguments);
 PyObject *core_peak_flops(PyObject *module, PyObject *arguments);
 PyObject *core_render(PyObject *module, PyObject *arguments);
-PyObject *core_tree(PyObject *module, PyObject *tuple);
+PyObject *core_tree(PyObject *module, PyObject *arguments);
 
 #endif

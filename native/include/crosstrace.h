@@ -128,26 +128,23 @@ CT_API ct_status ct_options_set_rounding(ct_options *options, const char *mode, 
  * processor has is no error. Every set gives the same bits; fewer are slower. */
 CT_API ct_status ct_options_set_instructions(ct_options *options, const char *most,
                                              ct_fault *fault);
-/* Leaves out secondary rays that can hardly matter: every channel of a pixel is at most `tolerance`
- * less than without, never more. 0 (the default) leaves out none. A tree's hash and the counts of
- * rays are of what is traced; ct_certify takes no notice. */
-CT_API ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fault *fault);
 /* How the objects that a ray meets are found: scan asks every one, tree (a tree of boxes over the
  * spheres) those near the ray; auto (the default) takes the tree where there are enough spheres for
  * it to pay. All give the same bits. */
 CT_API ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *fault);
-/* The tree of a scene, to render it in several calls (bands of rows, other readings) and build but
- * once. It is used for views with the same eye and the same arrays; other calls build their own.
- * *out is NULL on failure. The options borrow it; NULL takes it away again. */
-typedef struct ct_tree ct_tree;
-CT_API ct_status ct_tree_new(const ct_scene_view *view, ct_tree **out);
-CT_API void ct_tree_free(ct_tree *tree);
-CT_API void ct_options_set_tree(ct_options *options, const ct_tree *tree);
+/* Leaves out secondary rays that can hardly matter: every channel of a pixel is at most `tolerance`
+ * less than without, never more. 0 (the default) leaves out none. A tree's hash and the counts of
+ * rays are of what is traced; ct_certify takes no notice. */
+CT_API ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fault *fault);
 CT_API void ct_options_set_effects(ct_options *options, unsigned mask);
 CT_API void ct_options_set_threads(ct_options *options, unsigned n_threads); /* 0: all allowed cores */
 CT_API void ct_options_set_ray_budget(ct_options *options, uint64_t n_rays);
 /* Renders rows [begin, end) only; outputs then start at row begin. end 0: to the last row. */
 CT_API void ct_options_set_rows(ct_options *options, int64_t begin, int64_t end);
+/* Where in its pixel a primary ray passes: 0 (the default) through the centre, as the specification
+ * has it; otherwise a point that is uniform over the pixel and depends on this seed, the row and the
+ * column alone. CT_ERR_OPTION from ct_certify, whose truth is that of the centre. */
+CT_API void ct_options_set_jitter(ct_options *options, uint64_t seed);
 
 /* The table of readings, index from 0; NULL past the end. `values` are separated by '|'. */
 CT_API const char *ct_reading_name(size_t index);
@@ -193,8 +190,29 @@ typedef struct ct_stats {
  * of no meaning; a value other than 0 stops. */
 typedef int (*ct_progress)(void *user, uint64_t done, uint64_t total);
 
+typedef struct ct_tree ct_tree;
+
+/* The tree of a scene, to render it in several calls (bands of rows, other readings) and build but
+ * once. It is used for views with the same eye and the same arrays; other calls build their own.
+ * *out is NULL on failure. The options borrow it; NULL takes it away again. */
+CT_API ct_status ct_tree_new(const ct_scene_view *view, ct_progress progress, void *user,
+                             ct_tree **out);
+CT_API void ct_tree_free(ct_tree *tree);
+CT_API void ct_options_set_tree(ct_options *options, const ct_tree *tree);
+
 CT_API ct_status ct_render(const ct_scene_view *view, const ct_options *options,
                     const ct_outputs *outputs, ct_progress progress, void *user, ct_stats *stats);
+
+enum { CT_LARGEST_CELL = 64 };
+
+/* Renders some cells of a frame that is cut into squares of side x side pixels, such as the samples
+ * of some pixels of a coarser frame. `cells` are indices row * (h_res / side) + column of squares;
+ * v_res and h_res have to be multiples of side, 1 to CT_LARGEST_CELL. Outputs are n_cells x side x
+ * side, in that order, with the bits of ct_render; the options' rows are not heeded. */
+CT_API ct_status ct_render_cells(const ct_scene_view *view, const ct_options *options,
+                                 const int64_t *cells, uint64_t n_cells, int64_t side,
+                                 const ct_outputs *outputs, ct_progress progress, void *user,
+                                 ct_stats *stats);
 
 /* ---- Measuring ---- */
 

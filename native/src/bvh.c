@@ -38,6 +38,7 @@ typedef struct builder {
   ct_bvh *bvh;
   item *items;
   size_t room; /* for nodes */
+  const atomic_int *stop;
 } builder;
 
 static const box nothing = {{INFINITY, INFINITY, INFINITY, 0}, {-INFINITY, -INFINITY, -INFINITY, 0}};
@@ -197,6 +198,8 @@ static ct_status build(builder *b, const range *whole, int depth, size_t *index)
   range parts[CT_BVH_WIDTH] = {*whole};
   int n = 1, k;
   while (n < CT_BVH_WIDTH && (k = largest(parts, n)) >= 0) {
+    int stop = atomic_load_explicit(b->stop, memory_order_relaxed);
+    if (stop) return (ct_status)stop;
     parts[n] = cut(b, &parts[k], depth);
     n++;
   }
@@ -284,11 +287,11 @@ static void place(ct_bvh *bvh, const ct_scene_view *view, const uint8_t *is_apar
 }
 
 static ct_status build_tree(ct_bvh *bvh, const ct_scene_view *view, const uint8_t *is_apart,
-                            double most, size_t n) {
+                            double most, size_t n, const atomic_int *stop) {
   item *items = malloc(n * sizeof *items);
   if (!items) return CT_ERR_MEMORY;
   place(bvh, view, is_apart, most, items);
-  builder b = {.bvh = bvh, .items = items};
+  builder b = {.bvh = bvh, .items = items, .stop = stop};
   range whole = {.begin = 0, .end = bvh->n_objects};
   size_t root = 0;
   set_box(&b, &whole);
@@ -303,7 +306,7 @@ static ct_status build_tree(ct_bvh *bvh, const ct_scene_view *view, const uint8_
 }
 
 ct_status ct_bvh_open(const ct_scene_view *view, const uint8_t *is_apart, size_t least,
-                      ct_bvh **out) {
+                      const atomic_int *stop, ct_bvh **out) {
   *out = NULL;
   if (view->n_objects < least || view->n_objects >= CT_BVH_MOST_OBJECTS) return CT_OK;
   double most = fmin(LARGEST, proportion(view, is_apart));
@@ -313,7 +316,7 @@ ct_status ct_bvh_open(const ct_scene_view *view, const uint8_t *is_apart, size_t
   ct_bvh *bvh = calloc(1, sizeof *bvh);
   if (!bvh) return CT_ERR_MEMORY;
   bvh->apart = malloc((view->n_objects - n + 1) * sizeof *bvh->apart);
-  ct_status status = bvh->apart ? build_tree(bvh, view, is_apart, most, n) : CT_ERR_MEMORY;
+  ct_status status = bvh->apart ? build_tree(bvh, view, is_apart, most, n, stop) : CT_ERR_MEMORY;
   if (status) {
     ct_bvh_close(bvh);
     return status;

@@ -9,6 +9,7 @@
 #ifndef CT_BVH_H
 #define CT_BVH_H
 
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -47,9 +48,10 @@ typedef struct ct_bvh {
 
 /* Builds the tree; is_apart says which spheres are to be kept out of it. *out stays NULL where there
  * is no memory (CT_ERR_MEMORY), or where there are fewer than `least` spheres to put in, or numbers
- * outside the range in which the slack is known to be enough. */
+ * outside the range in which the slack is known to be enough. Where *stop is set, a ct_status, it
+ * is returned soon. */
 ct_status ct_bvh_open(const ct_scene_view *view, const uint8_t *is_apart, size_t least,
-                      ct_bvh **out);
+                      const atomic_int *stop, ct_bvh **out);
 void ct_bvh_close(ct_bvh *bvh);
 
 #endif

@@ -175,10 +175,11 @@ ct_status ct_certify(const ct_scene_view *view, const ct_options *options,
                      ct_progress progress, void *user, ct_certify_stats *stats) {
   if (!view || !options || !request || !out || check_request(view, request))
     return CT_ERR_ARGUMENT;
-  if (options->choice[CT_OFFSET] == CT_OFFSET_BOUND) return CT_ERR_OPTION;
+  if (options->choice[CT_OFFSET] == CT_OFFSET_BOUND || options->jitter) return CT_ERR_OPTION;
   ct_machine_state caller = ct_machine_enter();
   ct_frame frame;
   ct_status status = ct_frame_open(&frame, view, options);
+  if (!status) status = ct_frame_sort(&frame, progress, user);
   if (status) {
     ct_machine_leave(caller);
     return status;

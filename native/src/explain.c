@@ -44,6 +44,7 @@ ct_status ct_explain(const ct_scene_view *view, const ct_options *options, int64
   ct_machine_state caller = ct_machine_enter();
   ct_frame frame;
   ct_status status = ct_frame_open(&frame, view, options);
+  if (!status) status = ct_frame_sort(&frame, progress, user);
   if (!status) {
     job j = {.row = row, .column = column,
              .recorder = {.records = records, .capacity = capacity,

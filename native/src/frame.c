@@ -4,6 +4,7 @@
  * type of twice the width, and each result here is within a few units of that type's last place.
  */
 #include "frame.h"
+#include "parallel.h"
 #include "stream.h"
 #include "tree.h"
 
@@ -72,7 +73,20 @@ static int eye_on_plane(const ct_frame *frame, const double *geometry, const ct_
   return wide_abs(distance) <= 4 * (ct_wide)DBL_EPSILON * scale;
 }
 
+/* Whether the eye is off the sphere by so much that double is enough to tell: with scale as below,
+ * the distance is wrong by a few units of 2^-53 of it, unless squares vanish. */
+static int surely_off_sphere(const ct_frame *frame, const double *geometry) {
+  double square = 0, scale = geometry[3];
+  for (int i = 0; i < 3; i++) {
+    double e = frame->view.eye[i], c = geometry[i];
+    square += (e - c) * (e - c);
+    scale = fmax(scale, fmax(fabs(e), fabs(c)));
+  }
+  return scale > 1e-100 && fabs(sqrt(square) - geometry[3]) > 1e-12 * scale;
+}
+
 static int eye_on_sphere(const ct_frame *frame, const double *geometry) {
+  if (surely_off_sphere(frame, geometry)) return 0;
   ct_wide f[3], r = geometry[3], scale = r;
   for (int i = 0; i < 3; i++) {
     ct_wide e = frame->view.eye[i], c = geometry[i];
@@ -153,32 +167,61 @@ static size_t count_planes(const ct_scene_view *view) {
  * one by one, 48 to 64 where streams ask an object for a vector of them. */
 enum { TREE_FOR_RAYS = 20, TREE_FOR_STREAMS = 64 };
 
-static ct_status open_tree(ct_frame *frame) {
-  int search = frame->options->search;
-  if (search == CT_SEARCH_SCAN) return CT_OK;
-  size_t n = frame->view.n_objects, least = 1;
-  if (search == CT_SEARCH_AUTO)
-    least = ct_stream_for(frame->options) ? TREE_FOR_STREAMS : TREE_FOR_RAYS;
-  if (ct_tree_fits(frame->options->tree, &frame->view)) {
-    frame->bvh = ct_tree_bvh(frame->options->tree);
-    if (frame->bvh && frame->bvh->n_objects < least) frame->bvh = NULL;
-    return CT_OK;
-  }
-  if (n < least) return CT_OK;
-  ct_status status = ct_frame_build(frame, least, &frame->own_bvh);
-  frame->bvh = frame->own_bvh;
-  return status;
-}
+typedef struct sorting {
+  const ct_frame *frame;
+  size_t least;
+  ct_bvh *bvh;
+  atomic_int stop;
+} sorting;
 
-ct_status ct_frame_build(const ct_frame *frame, size_t least, ct_bvh **out) {
+static void sort_in_thread(void *job, void *state, uint64_t begin, uint64_t end) {
+  sorting *s = job;
+  (void)state, (void)begin, (void)end;
+  const ct_frame *frame = s->frame;
   size_t n = frame->view.n_objects;
   /* The tests of these depend on more than the ray. */
   uint8_t *is_apart = malloc(n + 1);
-  if (!is_apart) return CT_ERR_MEMORY;
-  memcpy(is_apart, frame->eye_on, n);
-  for (size_t k = 0; k < frame->n_lights_on; k++) is_apart[frame->lights_on[k].object] = 1;
-  ct_status status = ct_bvh_open(&frame->view, is_apart, least, out);
+  ct_status status = CT_ERR_MEMORY;
+  if (is_apart) {
+    memcpy(is_apart, frame->eye_on, n);
+    for (size_t k = 0; k < frame->n_lights_on; k++) is_apart[frame->lights_on[k].object] = 1;
+    status = ct_bvh_open(&frame->view, is_apart, s->least, &s->stop, &s->bvh);
+  }
   free(is_apart);
+  int running = CT_OK;
+  if (status) atomic_compare_exchange_strong(&s->stop, &running, (int)status);
+}
+
+/* In a thread of its own, so that the calling one can be asked to stop. */
+ct_status ct_frame_build(const ct_frame *frame, size_t least, ct_progress progress, void *user,
+                         ct_bvh **out) {
+  sorting s = {.frame = frame, .least = least};
+  ct_work work = {.run = sort_in_thread, .job = &s, .n_items = 1, .chunk = 1,
+                  .stack_bytes = (size_t)2 << 20, .stop = &s.stop};
+  ct_status status = ct_parallel(&work, 1, progress, user, NULL);
+  if (status) {
+    ct_bvh_close(s.bvh);
+    s.bvh = NULL;
+  }
+  *out = s.bvh;
+  return status;
+}
+
+ct_status ct_frame_sort(ct_frame *frame, ct_progress progress, void *user) {
+  const ct_options *options = frame->options;
+  size_t n = frame->view.n_objects, least = 1;
+  if (options->search == CT_SEARCH_SCAN) return CT_OK;
+  if (options->search == CT_SEARCH_AUTO)
+    least = ct_stream_for(options) ? TREE_FOR_STREAMS : TREE_FOR_RAYS;
+  if (n < least) return CT_OK;
+  if (ct_tree_fits(options->tree, &frame->view)) {
+    frame->bvh = ct_tree_bvh(options->tree);
+    if (frame->bvh && frame->bvh->n_objects < least) frame->bvh = NULL;
+    return CT_OK;
+  }
+  ct_status status = ct_frame_build(frame, least, progress, user, &frame->own_bvh);
+  frame->bvh = frame->own_bvh;
+  if (status) ct_frame_close(frame);
   return status;
 }
 
@@ -214,7 +257,6 @@ ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_opt
   if (!status) status = set_indices(frame);
   if (options->choice[CT_NESTING] != CT_NESTING_RELATIVE)
     frame->eye_medium = ct_media_around_eye(&frame->view, frame->around);
-  if (!status) status = open_tree(frame);
   if (status) ct_frame_close(frame);
   return status;
 }

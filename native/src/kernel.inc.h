@@ -6,7 +6,7 @@
  */
 #include <stdlib.h>
 
-#include "kernel.h"
+#include "sample_point.h"
 #include "vector.inc.h"
 #include "power.inc.h"
 #include CT_PRIMITIVES
@@ -64,13 +64,13 @@ static void FN(close)(void *opaque) {
   free(world);
 }
 
-/* The ray through the centre of pixel (row, column) (specification 2.3). */
+/* The ray through the centre of pixel (row, column) (specification 2.3), or a point near it. */
 static RAY FN(primary)(const WORLD *world, ct_pixel *pixel, int64_t row, int64_t column) {
   const ct_scene_view *v = world->view;
   REAL s = from_double(v->pixel_size);
-  /* Halves of integers: exact in every type. */
-  REAL x = mul(s, from_double((double)column - (double)v->h_res / 2 + 0.5));
-  REAL y = neg(mul(s, from_double((double)row - (double)v->v_res / 2 + 0.5)));
+  double right, below;
+  ct_sample_point(world->frame, row, column, &right, &below);
+  REAL x = mul(s, from_double(right)), y = neg(mul(s, from_double(below)));
   VEC way = v_sub(v_add(v_scale(x, world->u), v_scale(y, world->v)),
                   v_scale(from_double(v->screen_distance), world->w));
   RAY ray = {world->eye, NUDGED(pixel, v_over(way, v_length(way))), 0, 1, NULL,

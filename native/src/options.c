@@ -153,14 +153,6 @@ ct_status ct_options_set_instructions(ct_options *options, const char *most, ct_
   return CT_OK;
 }
 
-ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fault *fault) {
-  if (!options) return CT_ERR_ARGUMENT;
-  if (!(tolerance >= 0 && tolerance <= CT_LARGEST))
-    return refuse(fault, "tolerance", "a number from 0 to 1e100", "another");
-  options->tolerance = tolerance;
-  return CT_OK;
-}
-
 ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *fault) {
   static const char ways[] = "auto|scan|tree";
   if (!options || !way) return CT_ERR_ARGUMENT;
@@ -171,9 +163,19 @@ ct_status ct_options_set_search(ct_options *options, const char *way, ct_fault *
 }
 
 void ct_options_set_tree(ct_options *options, const ct_tree *tree) { options->tree = tree; }
+
+ct_status ct_options_set_tolerance(ct_options *options, double tolerance, ct_fault *fault) {
+  if (!options) return CT_ERR_ARGUMENT;
+  if (!(tolerance >= 0 && tolerance <= CT_LARGEST))
+    return refuse(fault, "tolerance", "a number from 0 to 1e100", "another");
+  options->tolerance = tolerance;
+  return CT_OK;
+}
+
 void ct_options_set_effects(ct_options *options, unsigned mask) { options->effects = mask; }
 void ct_options_set_threads(ct_options *options, unsigned n) { options->n_threads = n; }
 void ct_options_set_ray_budget(ct_options *options, uint64_t n) { options->ray_budget = n; }
+void ct_options_set_jitter(ct_options *options, uint64_t seed) { options->jitter = seed; }
 void ct_options_set_rows(ct_options *options, int64_t begin, int64_t end) {
   options->row_begin = begin;
   options->row_end = end;

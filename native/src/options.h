@@ -66,6 +66,7 @@ struct ct_options {
   const ct_tree *tree; /* borrowed; NULL: every call builds its own */
   unsigned effects, n_threads;
   uint64_t ray_budget;
+  uint64_t jitter; /* seed; 0: through the centre of each pixel */
   int64_t row_begin, row_end;
 };
 

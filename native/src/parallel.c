@@ -61,6 +61,7 @@ static void wait_for_all(crew *c, ct_progress progress, void *user) {
     if (!progress || c->n_running == 0) continue;
     pthread_mutex_unlock(&c->lock);
     if (progress(user, atomic_load(&c->done), c->work->n_items)) {
+      progress = NULL; /* it has said what it had to say */
       int running = CT_OK;
       atomic_compare_exchange_strong(c->work->stop, &running, CT_ERR_CANCELLED);
     }

@@ -81,6 +81,7 @@ ct_status ct_perturb(const ct_scene_view *view, const ct_options *options,
   ct_frame frame;
   void *world = NULL;
   ct_status status = ct_frame_open(&frame, view, options);
+  if (!status) status = ct_frame_sort(&frame, progress, user);
   if (!status) {
     status = ct_kernel_f64_perturbed.open(&frame, &world);
     if (!status) {

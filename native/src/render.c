@@ -27,6 +27,8 @@ typedef struct job {
   const ct_scene_view *view;
   const ct_outputs *out;
   int64_t row_begin, row_end, tiles_across;
+  const int64_t *cells; /* NULL: the rows, by tiles */
+  int64_t side;
   int rounding; /* of fesetround */
   ct_shared shared;
   atomic_uint_fast64_t n_shadow, n_reflected, n_refracted;
@@ -69,17 +71,31 @@ typedef struct hand {
   void *store; /* of the stream */
 } hand;
 
+static ct_tile cell_at(const job *j, uint64_t index) {
+  int64_t across = j->view->h_res / j->side, cell = j->cells[index];
+  int64_t top = cell / across * j->side, left = cell % across * j->side;
+  size_t side = (size_t)j->side;
+  return (ct_tile){top,  top + j->side, left, left + j->side, (size_t)index * side * side,
+                   side, j->out};
+}
+
 static ct_tile tile_at(const job *j, uint64_t index) {
+  if (j->cells) return cell_at(j, index);
   int64_t top = j->row_begin + (int64_t)(index / (uint64_t)j->tiles_across) * TILE_SIDE;
   int64_t left = (int64_t)(index % (uint64_t)j->tiles_across) * TILE_SIDE;
   int64_t bottom = top + TILE_SIDE, right = left + TILE_SIDE;
-  return (ct_tile){top, bottom < j->row_end ? bottom : j->row_end, left,
-                   right < j->view->h_res ? right : j->view->h_res, j->row_begin, j->out};
+  size_t stride = (size_t)j->view->h_res;
+  return (ct_tile){top,
+                   bottom < j->row_end ? bottom : j->row_end,
+                   left,
+                   right < j->view->h_res ? right : j->view->h_res,
+                   (size_t)(top - j->row_begin) * stride + (size_t)left,
+                   stride,
+                   j->out};
 }
 
 static void render_tile(job *j, const ct_tile *tile, hand *thread) {
   ct_pixel *pixel = &thread->pixel;
-  int64_t h_res = j->view->h_res;
   if (j->stream) {
     j->stream->tile(j->world, thread->store, tile, pixel);
     return;
@@ -90,7 +106,8 @@ static void render_tile(job *j, const ct_tile *tile, hand *thread) {
       pixel->tree = 0;
       j->kernel->pixel(j->world, row, column, pixel);
       if (atomic_load_explicit(&j->shared.stop, memory_order_relaxed)) return;
-      store(j, (size_t)(row - j->row_begin) * (size_t)h_res + (size_t)column, pixel);
+      store(j, tile->at + (size_t)(row - tile->top) * tile->stride + (size_t)(column - tile->left),
+            pixel);
     }
 }
 
@@ -135,42 +152,70 @@ static const int rounding_modes[] = {[CT_ROUND_NEAREST] = FE_TONEAREST,
                                      [CT_ROUND_DOWN] = FE_DOWNWARD,
                                      [CT_ROUND_ZERO] = FE_TOWARDZERO};
 
-ct_status ct_render(const ct_scene_view *view, const ct_options *options,
-                    const ct_outputs *outputs, ct_progress progress, void *user,
-                    ct_stats *stats) {
-  if (!view || !options || !outputs) return CT_ERR_ARGUMENT;
-  int64_t end = options->row_end ? options->row_end : view->v_res;
-  if (options->row_begin < 0 || options->row_begin >= end || end > view->v_res)
-    return CT_ERR_ARGUMENT;
+/* Renders the tiles of a job that says which ones, n_tiles of them. */
+static ct_status render_all(job *j, const ct_options *options, uint64_t n_tiles,
+                            ct_progress progress, void *user, ct_stats *stats) {
   const ct_kernel *kernel = ct_precision_kernel(options->precision, options->instructions);
   if (options->rounding != CT_ROUND_NEAREST && !kernel->takes_rounding) return CT_ERR_OPTION;
   const ct_stream *stream = ct_stream_for(options);
   ct_machine_state caller = ct_machine_enter();
   ct_frame frame;
   void *world = NULL;
-  ct_status status = ct_frame_open(&frame, view, options);
+  ct_status status = ct_frame_open(&frame, j->view, options);
+  if (!status) status = ct_frame_sort(&frame, progress, user);
   if (!status) {
     status = stream ? stream->open(&frame, &world) : kernel->open(&frame, &world);
     if (!status) {
-      int64_t across = (view->h_res + TILE_SIDE - 1) / TILE_SIDE;
-      int64_t down = (end - options->row_begin + TILE_SIDE - 1) / TILE_SIDE;
-      job j = {.kernel = kernel, .stream = stream, .world = world, .view = view, .out = outputs,
-               .rounding = rounding_modes[options->rounding],
-               .row_begin = options->row_begin, .row_end = end, .tiles_across = across,
-               .shared = {.ray_budget = options->ray_budget}};
-      ct_work work = {.run = render_tiles, .job = &j,
-                      .n_items = (uint64_t)across * (uint64_t)down, .chunk = 1,
+      j->kernel = kernel;
+      j->stream = stream;
+      j->world = world;
+      j->rounding = rounding_modes[options->rounding];
+      j->shared.ray_budget = options->ray_budget;
+      ct_work work = {.run = render_tiles, .job = j, .n_items = n_tiles, .chunk = 1,
                       .stack_bytes = ct_kernel_stack(kernel, frame.max_depth),
-                      .enter = enter_thread, .leave = leave_thread, .stop = &j.shared.stop};
+                      .enter = enter_thread, .leave = leave_thread, .stop = &j->shared.stop};
       unsigned n_threads = 0;
       status = ct_parallel(&work, options->n_threads, progress, user, &n_threads);
       if (stats && !status)
-        *stats = (ct_stats){(uint64_t)(end - options->row_begin) * (uint64_t)view->h_res,
-                            j.n_shadow, j.n_reflected, j.n_refracted, n_threads};
+        *stats = (ct_stats){0, j->n_shadow, j->n_reflected, j->n_refracted, n_threads};
       (stream ? stream->close : kernel->close)(world);
     }
     ct_frame_close(&frame);
   }
   ct_machine_leave(caller);
+  return status;
+}
+
+ct_status ct_render(const ct_scene_view *view, const ct_options *options,
+                    const ct_outputs *outputs, ct_progress progress, void *user,
+                    ct_stats *stats) {
+  if (!view || !options || !outputs) return CT_ERR_ARGUMENT;
+  int64_t begin = options->row_begin, end = options->row_end ? options->row_end : view->v_res;
+  if (begin < 0 || begin >= end || end > view->v_res) return CT_ERR_ARGUMENT;
+  int64_t across = (view->h_res + TILE_SIDE - 1) / TILE_SIDE;
+  int64_t down = (end - begin + TILE_SIDE - 1) / TILE_SIDE;
+  job j = {.view = view, .out = outputs, .row_begin = begin, .row_end = end,
+           .tiles_across = across};
+  ct_status status =
+      render_all(&j, options, (uint64_t)across * (uint64_t)down, progress, user, stats);
+  if (stats && !status) stats->n_primary = (uint64_t)(end - begin) * (uint64_t)view->h_res;
+  return status;
+}
+
+ct_status ct_render_cells(const ct_scene_view *view, const ct_options *options,
+                          const int64_t *cells, uint64_t n_cells, int64_t side,
+                          const ct_outputs *outputs, ct_progress progress, void *user,
+                          ct_stats *stats) {
+  if (!view || !options || !outputs || (!cells && n_cells > 0)) return CT_ERR_ARGUMENT;
+  if (side < 1 || side > CT_LARGEST_CELL || view->v_res % side || view->h_res % side)
+    return CT_ERR_ARGUMENT;
+  int64_t n_all = (view->v_res / side) * (view->h_res / side);
+  for (uint64_t i = 0; i < n_cells; i++)
+    if (cells[i] < 0 || cells[i] >= n_all) return CT_ERR_ARGUMENT;
+  if (stats) *stats = (ct_stats){0};
+  if (n_cells == 0) return CT_OK;
+  job j = {.view = view, .out = outputs, .cells = cells, .side = side};
+  ct_status status = render_all(&j, options, n_cells, progress, user, stats);
+  if (stats && !status) stats->n_primary = n_cells * (uint64_t)side * (uint64_t)side;
   return status;
 }

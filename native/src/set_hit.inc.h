@@ -221,8 +221,9 @@ static __attribute__((noinline)) int list_nearest(STATE *s, const RAY *ray,
   return list.n;
 }
 
-/* The hit that the script chooses among those possible; object -1: none. */
-static OUTCOME nearest_outcome(STATE *s, const RAY *ray) {
+/* The hit that the script chooses among those possible; object -1: none. Not inlined, so that its list
+ * does not lie in every level of the recursion. */
+static __attribute__((noinline)) OUTCOME nearest_outcome(STATE *s, const RAY *ray) {
   OUTCOME list[CT_MAX_CANDIDATES + 2], found[2], none = {.object = -1};
   int n = 0, has_sure = 0;
   BOUND sure_by = b_from((double)INFINITY);

@@ -6,10 +6,10 @@
 
 #include "kernel.h"
 
-/* A rectangle of pixels, and the outputs of the frame, whose row 0 is row_begin. */
+/* A rectangle of pixels, and where they go: its first one to `at`, rows `stride` apart. */
 typedef struct ct_tile {
   int64_t top, bottom, left, right; /* rows [top, bottom), columns [left, right) */
-  int64_t row_begin;
+  size_t at, stride;
   const ct_outputs *out;
 } ct_tile;
 

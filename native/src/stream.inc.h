@@ -24,21 +24,19 @@
 #include "stream_prune.inc.h"
 #include "stream_trace.inc.h"
 
-/* The ways of the rays through the centres of a rectangle of pixels (specification 2.3), not of
- * length 1. */
+/* The ways of the rays through the centres of a rectangle of pixels (specification 2.3), or points
+ * near them, not of length 1. */
 static void aim(const WORLD *world, const ct_tile *pixels, BUNDLE *bundle) {
   const ct_scene_view *v = world->view;
-  double middle = (double)v->h_res / 2, level = (double)v->v_res / 2;
   REAL *across = bundle->direction.x, *down = bundle->direction.y;
   size_t n = 0, n_across = (size_t)(pixels->right - pixels->left);
-  /* Halves of integers: exact in every type. */
-  for (size_t k = 0; k < n_across; k++)
-    across[k] = from_double((double)(pixels->left + (int64_t)k) - middle + 0.5);
-  for (int64_t row = pixels->top; row < pixels->bottom; row++, n += n_across) {
-    REAL y = from_double((double)row - level + 0.5);
-    if (n > 0) memcpy(across + n, across, n_across * sizeof *across);
-    for (size_t k = 0; k < n_across; k++) down[n + k] = y;
-  }
+  for (int64_t row = pixels->top; row < pixels->bottom; row++, n += n_across)
+    for (size_t k = 0; k < n_across; k++) {
+      double right, below;
+      ct_sample_point(world->frame, row, pixels->left + (int64_t)k, &right, &below);
+      across[n + k] = from_double(right);
+      down[n + k] = from_double(below);
+    }
   bundle->n = n;
   LANES s = l_all(from_double(v->pixel_size));
   VECS eye = vs_all(world->eye);
@@ -104,10 +102,10 @@ static void FN(tile)(const void *opaque, void *opaque_store, const ct_tile *tile
     aim(stage->world, &part, &bundle);
     trace_first(store, &bundle);
     if (is_stopped(store)) return;
-    size_t h_res = (size_t)stage->world->view->h_res, k = 0;
+    size_t k = 0;
     for (int64_t row = top; row < part.bottom; row++, k += (size_t)across)
       deliver(store, &bundle, k, (size_t)across, tile->out,
-              (size_t)(row - tile->row_begin) * h_res + (size_t)tile->left);
+              tile->at + (size_t)(row - tile->top) * tile->stride);
   }
 }
 

@@ -16,7 +16,8 @@ struct ct_tree {
   double eye[3];
 };
 
-ct_status ct_tree_new(const ct_scene_view *view, ct_tree **out) {
+ct_status ct_tree_new(const ct_scene_view *view, ct_progress progress, void *user,
+                      ct_tree **out) {
   if (!view || !out) return CT_ERR_ARGUMENT;
   *out = NULL;
   ct_tree *tree = calloc(1, sizeof *tree);
@@ -24,14 +25,13 @@ ct_status ct_tree_new(const ct_scene_view *view, ct_tree **out) {
   ct_status status = tree && options ? CT_OK : CT_ERR_MEMORY;
   ct_machine_state caller = ct_machine_enter();
   if (!status) {
-    ct_fault fault;
     ct_frame frame;
     *tree = (ct_tree){.kind = view->kind, .geometry = view->geometry, .lights = view->lights,
                       .n_objects = view->n_objects, .n_lights = view->n_lights};
     memcpy(tree->eye, view->eye, sizeof tree->eye);
-    status = ct_options_set_search(options, "scan", &fault);
-    if (!status && (status = ct_frame_open(&frame, view, options)) == CT_OK) {
-      status = ct_frame_build(&frame, 1, &tree->bvh);
+    status = ct_frame_open(&frame, view, options);
+    if (!status) {
+      status = ct_frame_build(&frame, 1, progress, user, &tree->bvh);
       ct_frame_close(&frame);
     }
   }

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from crosstrace.translators import readings
 from crosstrace.translators.effects import effects, needed
-from crosstrace.translators.errors import RendererError
+from crosstrace.translators.errors import RendererError, UsageError
 from crosstrace.translators.ledger import Ledger
 from crosstrace.translators.mitsuba import document, fidelity, first_delivery, runtime
 from crosstrace.translators.mitsuba import probe as probing
@@ -32,6 +32,7 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
+from crosstrace.translators.sampling import only_centre
 from crosstrace.translators.scene import Scene
 
 
@@ -88,6 +89,11 @@ class _Mitsuba:
     def _reduced(self, scene: Scene, options: RenderOptions) -> tuple[Scene, frozenset[str]]:
         """Return what of a scene is to be translated, and which effects are."""
         readings.only_default(options.readings, self.name, options.tolerance)
+        only_centre(options.sampling, self.name)
+        if options.tuning:
+            raise UsageError(
+                f"{self.name} has no settings of its own, found {', '.join(options.tuning)}"
+            )
         if options.effects is None:
             found = effects(scene)
             reduced, called_for = needed(scene, found), frozenset(found.names)

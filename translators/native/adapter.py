@@ -13,6 +13,7 @@ from crosstrace.translators import readings as readings_of_the_specification
 from crosstrace.translators.effects import effects, mask
 from crosstrace.translators.errors import RendererError, UnsupportedSceneError, UsageError
 from crosstrace.translators.ledger import Arithmetic, Entry, Ledger
+from crosstrace.translators.native.samples import sampled
 from crosstrace.translators.renderer import (
     Capabilities,
     Probe,
@@ -22,6 +23,7 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
+from crosstrace.translators.sampling import CENTRE
 from crosstrace.translators.scene import Scene
 
 #: The terms of `contributions`, in order: they add up to the image.
@@ -96,7 +98,7 @@ class Native:
 
     name = "native"
     capabilities = Capabilities(
-        max_pixels=2**29, layer_bytes_per_pixel=216, stages={"parsing": "crosstrace"}
+        max_pixels=2**29, layer_bytes_per_pixel=216, stages={"parsing": "crosstrace"}, samples=True
     )
 
     def probe(self) -> Probe:
@@ -145,7 +147,7 @@ class Native:
         What is held at a time is a band of `BAND_PIXELS`, 24 bytes each. Raises as `render`.
         """
         height = max(1, BAND_PIXELS // scene.h_res)
-        tree = _core.tree(scene.native_view())
+        tree = _core.tree(scene.native_view(), progress)
         for begin in range(0, scene.v_res, height):
             end = min(scene.v_res, begin + height)
 
@@ -167,17 +169,25 @@ def _render(
     readings_of_the_specification.check(options.readings)
     check_precision(options.precision)
     check_tolerance(options.tolerance)
+    is_sampled = options.sampling != CENTRE
+    if is_sampled and options.layers:
+        raise UsageError(f"side outputs are of a pixel's centre, found {options.sampling}")
+    if options.tuning:
+        raise UsageError(f"native has readings alone, found {', '.join(options.tuning)}")
     started = time.perf_counter()
     called_for = options.effects
     wanted = effects(scene, options.readings).overall if called_for is None else mask(called_for)
-    outputs = _outputs(end - begin, scene.h_res, options)
+    outputs = {} if is_sampled else _outputs(end - begin, scene.h_res, options)
     settings = [*options.readings.items(), ("precision", options.precision),
                 ("threads", str(options.threads)), ("effects", str(wanted)),
-                ("tolerance", repr(float(options.tolerance))),
-                ("row_begin", str(begin)), ("row_end", str(end))]  # fmt: skip
+                ("tolerance", repr(float(options.tolerance)))]  # fmt: skip
     translated = time.perf_counter()
     try:
-        rays = _core.render(scene.native_view(), settings, outputs, progress, tree)
+        if is_sampled:
+            outputs["image"], rays = sampled(scene, settings, options.sampling, progress)
+        else:
+            span = [("row_begin", str(begin)), ("row_end", str(end))]
+            rays = _core.render(scene.native_view(), settings + span, outputs, progress, tree)
     except (RuntimeError, ValueError) as error:
         raise RendererError(f"native: {error}") from None
     seconds = Seconds(0.0, translated - started, time.perf_counter() - translated)
@@ -185,6 +195,8 @@ def _render(
                               "readings": dict(options.readings)}  # fmt: skip
     if options.tolerance:
         record["tolerance"] = options.tolerance
+    if is_sampled:
+        record["sampling"] = str(options.sampling)
     image = outputs.pop("image")
     return Rendering(image, seconds, settings=record, layers=outputs)
 

@@ -58,9 +58,9 @@ def judge(
     values = np.asarray(values, np.float64).reshape(-1, 3)
     room = np.broadcast_to(np.asarray(slack, np.float64), pixels.shape)
     left = Unexplained(pixels, values, room, arithmetic, threads)
-    meaning = [Emulation(scene, dict(readings or {}))]
+    meaning = Emulation(scene, dict(readings or {}))
     answer = np.full(len(pixels), Conditioned.WRONG, np.uint8)
-    for found, _ in left.take_rounded(meaning):
-        answer[found] = Conditioned.EXPLAINED
-    answer[left.take_possible(meaning)] = Conditioned.SUSPECT
+    left.drop_impossible([meaning])
+    answer[left.take_rounded(meaning)] = Conditioned.EXPLAINED
+    answer[left.take_possible([meaning])] = Conditioned.SUSPECT
     return answer

@@ -4,14 +4,15 @@ A value is explained by a *meaning* of the scene (the specification's, or a rend
 that meaning encloses it, or where honest arithmetic of the renderer's kind may return it (the
 sampled envelope). What is left is impossible, or merely unlikely.
 
-Work is spent where it pays: few samples for all pixels, more for those left. What comes to nothing
-is given up early, so that a grossly faulty image costs no more than minutes; what was not reached
-stays unexplained, and is not called impossible.
+Work is spent where it pays: few samples for all pixels, more for those left. What is proven to be
+impossible needs no samples, and in a grossly faulty image that is nearly everything, so that there
+proofs go first. What comes to nothing is given up early, so that no image costs more than minutes;
+what was not reached stays unexplained, and is not called impossible.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -37,10 +38,16 @@ LAST = 4096
 HOPELESS = 1 / 16
 
 #: Samples after which a pass gives up if it explains fewer than a quarter of its pixels.
-PATIENCE = 1 << 20
+PATIENCE = 1 << 18
 
 #: Hopeless pixels that are looked at with `LAST` samples.
 LOOKED_AT = 256
+
+#: Parts in which these are looked at, and the standard deviations that end it before the last.
+LOOKS, BEFORE_THE_LAST_LOOK = 4, 5.0
+
+#: Pixels of a round of proofs; before sampling, the next one needs half of them proven impossible.
+ROUND = 1024
 
 #: Pixels after which proofs are given up if fewer than one in fifty succeeds, and at most tried.
 PROVEN_AT_LEAST, PROVEN = 2048, 1 << 15
@@ -79,43 +86,43 @@ class Unexplained:
         fits = known.fits_alternative(self._values[self.left], self._slack[self.left])
         return self._take(self.left[enclosed & fits])
 
-    def take_rounded(self, meanings: Sequence[Emulation]) -> Iterator[tuple[Items, int]]:
-        """Take out what rounding explains: yields items and the index of the meaning.
+    def drop_impossible(self, meanings: Sequence[Emulation]) -> None:
+        """Take out for good what is proven to be impossible, as long as that is most of it."""
+        for part in _rounds(self.left):
+            found = self._take(self._impossible(meanings, part))
+            if 2 * len(found) < len(part):
+                break
 
-        The first meaning goes first while samples are few; where they are many, the last does, as
-        the more probable cause of what is left.
+    def take_rounded(self, meaning: Emulation) -> Items:
+        """Take out and return what rounding explains under a meaning.
 
         Where rounding decides so many shadows that a new ray tree comes with every other sample,
         no number of samples meets all of them. There the hull of the samples explains a value,
         unless the values of these pixels miss the trees that were met oftener than samples would:
         then the image is not one that rounding made.
         """
-        hopeless = np.zeros((len(meanings), len(self._pixels)), np.bool_)
-        last_first = list(reversed(range(len(meanings))))
-        for samples in PASSES:
-            for which in range(len(meanings)) if samples == PASSES[0] else last_first:
-                yield self._explained(meanings[which], self.left, samples, hopeless[which]), which
-        for which in last_first:
-            hopeful = self.left[~hopeless[:, self.left].any(axis=0)]
-            yield self._explained(meanings[which], hopeful, LAST, hopeless[which]), which
-        for which in last_first:
-            loose = self.left[hopeless[which, self.left]]
-            if self._are_as_often_unmet_as_samples(meanings[which], spread(loose, LOOKED_AT)):
-                yield self._take(loose), which
+        hopeless = np.zeros(len(self._pixels), np.bool_)
+        found = [self._explained(meaning, self.left, samples, hopeless) for samples in PASSES]
+        found.append(self._explained(meaning, self.left[~hopeless[self.left]], LAST, hopeless))
+        loose = self.left[hopeless[self.left]]
+        if self._are_as_often_unmet_as_samples(meaning, spread(loose, LOOKED_AT)):
+            found.append(self._take(loose))
+        return np.concatenate(found)
+
+    def are_rounded(self, meaning: Emulation, items: Items) -> Flags:
+        """Say of items, taken out or not, which few samples explain under another meaning."""
+        return self._sampled(meaning, items, PASSES[0])[1]
 
     def take_possible(self, meanings: Sequence[Emulation]) -> Items:
         """Take out and return what no meaning, or no proof, rules out rigorously."""
         impossible = [self.left[:0]]
         tried = spread(self.left, PROVEN)
-        n_parts = 1 + len(tried) // 1024
         n_tried = n_impossible = 0
-        for k in range(n_parts):
-            part = tried[k::n_parts]
+        for part in _rounds(tried):
+            found = self._impossible(meanings, part)
+            impossible.append(found)
             n_tried += len(part)
-            for meaning in meanings:
-                part = part[self._ruled_out(meaning, part)]
-            impossible.append(part)
-            n_impossible += len(part)
+            n_impossible += len(found)
             if n_tried >= PROVEN_AT_LEAST and 50 * n_impossible < n_tried:
                 break
         return self._take(np.setdiff1d(self.left, np.concatenate(impossible)))
@@ -154,15 +161,28 @@ class Unexplained:
 
         These values have been missed by the samples of all passes, so that they are rare ones:
         that a sample which those missed is missed by as many as `LAST`, too, has the ratio of the
-        two chances. More than three standard deviations beyond the expected number is too often.
+        two chances. More than three standard deviations beyond the expected number is too often;
+        what is far beyond it in a part of the items already needs no further samples.
         """
         if not len(items):
             return False
-        seen, inside = self._sampled(meaning, items, LAST)
-        rare = seen.unseen_among(sum(PASSES))
-        still = np.divide(seen.unseen, rare, out=np.zeros(len(items)), where=rare > 0)
-        spread_of_it = np.sqrt((still * (1 - still)).sum())
-        return bool((~inside).sum() <= 1 + still.sum() + 3 * spread_of_it)
+        missed, expected, variance = 0, 1.0, 0.0
+        for k in range(LOOKS):
+            part = items[k::LOOKS]
+            seen, inside = self._sampled(meaning, part, LAST)
+            rare = seen.unseen_among(sum(PASSES))
+            still = np.divide(seen.unseen, rare, out=np.zeros(len(part)), where=rare > 0)
+            missed += int((~inside).sum())
+            expected += float(still.sum())
+            variance += float((still * (1 - still)).sum())
+            if missed > expected + BEFORE_THE_LAST_LOOK * np.sqrt(variance):
+                return False
+        return bool(missed <= expected + 3 * np.sqrt(variance))
+
+    def _impossible(self, meanings: Sequence[Emulation], items: Items) -> Items:
+        for meaning in meanings:
+            items = items[self._ruled_out(meaning, items)]
+        return items
 
     def _ruled_out(self, meaning: Emulation, items: Items) -> Flags:
         """Say where no value that rounding can make lies near the given one, rigorously."""
@@ -173,12 +193,19 @@ class Unexplained:
         values, room = self._values[items], self._room[items]
         near = known.contains(values, room)
         # Where all outcomes are listed, a value between them is as wrong as one outside their
-        # hull. A full list may be one cut short.
+        # hull. A full list may be one cut short; without a hull it is as far as the kernel got.
         listed = known.n_alternatives
         complete = (listed > 0) & (listed < MAX_ALTERNATIVES)
+        complete &= np.isfinite(known.lo[known.undecidable]).all(axis=-1)
         open_ones = np.flatnonzero(known.undecidable)
         near[open_ones] &= known.fits_alternative(values, room)[open_ones] | ~complete
         return np.asarray(~near)
+
+
+def _rounds(items: Items) -> list[Items]:
+    """Split items into rounds of proofs, each of them spread over all."""
+    n_rounds = 1 + len(items) // ROUND
+    return [items[k::n_rounds] for k in range(n_rounds)]
 
 
 def spread(items: Items, most: int) -> Items:

@@ -12,6 +12,7 @@ import contextlib
 import os
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from crosstrace.translators.errors import (
 )
 from crosstrace.translators.ledger import Ledger
 from crosstrace.translators.leftovers import sweep
-from crosstrace.translators.povray import declarations, output, picture, process
+from crosstrace.translators.povray import declarations, output, picture, process, tuning
 from crosstrace.translators.povray.plan import MAX_DEPTH
 from crosstrace.translators.readings import only_default
 from crosstrace.translators.renderer import (
@@ -34,6 +35,7 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
+from crosstrace.translators.sampling import only_centre
 from crosstrace.translators.scene import Scene
 
 #: POV-Ray's own limit (`configbackend.h`).
@@ -79,12 +81,16 @@ class PovRay:
     ) -> Rendering:
         """Render a scene; see the protocol for what is raised."""
         only_default(options.readings, self.name, options.tolerance)
+        only_centre(options.sampling, self.name)
+        tuned = tuning.read(options.tuning)
         program = process.find_program()
         started = time.perf_counter()
         analysis = picture.analyse(scene, options.effects)
         threads = min(options.threads or len(os.sched_getaffinity(0)), _MAX_THREADS)
         messages: list[str] = []
         passes: list[float] = []
+        rays: Counter[str] = Counter()
+        traced_s: list[float | None] = []
         with _private_directory() as directory:
             source, image = directory / "scene.pov", directory / "image.ppm"
             source.write_text(self.text(analysis, 1.0), encoding="ascii")
@@ -95,11 +101,13 @@ class PovRay:
                 image.unlink(missing_ok=True)
                 call = picture.arguments(analysis.plan, source.name, image.name, "P", str(threads))
                 call += ["+V", f"Declare=output_scale={scale!r}"]
-                call += ["+GS"] if analysis.plan.deep else []
+                call += [*tuned.switches, "+GS"]
                 share = output.shared(progress, analysis.bound, len(passes))
                 passes.append(scale)
                 said = process.run(program, call, directory, options.timeout_s, share, since)
                 messages.extend(w for w in process.warnings(said) if w not in messages)
+                rays.update(process.rays(said))
+                traced_s.append(process.trace_seconds(said))
                 if analysis.plan.deep and process.exhausted(said):
                     raise UnsupportedSceneError(
                         f"POV-Ray traces at most max_depth {MAX_DEPTH}, found {scene.max_depth} "
@@ -107,14 +115,20 @@ class PovRay:
                     )
                 return output.read_ppm(image, scene.v_res, scene.h_res)
 
-            made = output.render_scaled(render_at, analysis.bound)
+            made = output.render_scaled(render_at, analysis.bound, tuned.output_scale)
             if progress is not None:
                 progress(1.0)
+        taken = time.perf_counter() - translated
+        # The program starts, waits for its own polls and ends again for every image.
+        known = [seconds for seconds in traced_s if seconds is not None]
+        traced = min(taken, sum(known)) if len(known) == len(traced_s) else taken
         return Rendering(
             image=made.image,
-            seconds=Seconds(0.0, translated - started, time.perf_counter() - translated),
+            seconds=Seconds(taken - traced, translated - started, traced),
             half_step=made.half_step,
             settings={
+                **({"rays": dict(rays)} if rays else {}),
+                **({"tuning": dict(options.tuning)} if options.tuning else {}),
                 "version": made.version,
                 "threads": threads,
                 "world_scale": analysis.scale,

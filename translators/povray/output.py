@@ -72,12 +72,15 @@ def written_scale(bound: float) -> float:
     return min(safe_scale(bound), _LARGEST_WRITTEN)
 
 
-def render_scaled(render: Callable[[float], Picture], bound: float) -> Scaled:
+def render_scaled(
+    render: Callable[[float], Picture], bound: float, first: float | None = None
+) -> Scaled:
     """Render at growing K until nothing saturates that could be brighter.
 
-    `render` gives the picture at one K; `bound` is a number that no pixel exceeds.
+    `render` gives the picture at one K; `bound` is a number that no pixel exceeds. `first` is the K
+    to begin with.
     """
-    scale = min(safe_scale(bound), _FIRST)
+    scale = min(safe_scale(bound), _FIRST) if first is None else _short(first)
     picture = render(scale)
     image = picture.samples.astype(np.float64) * (scale / WHITE)
     passes = [scale]

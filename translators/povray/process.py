@@ -28,6 +28,15 @@ REMEDY = "apt-get install povray"
 _TICK_S = 0.02
 _PROBE_TIMEOUT_S = 30.0
 _PROGRESS = re.compile(rb"Rendered (\d+) of (\d+) pixels")
+_TRACE_TIME = re.compile(
+    r"Trace Time:\s+(\d+) hours\s+(\d+) minutes\s+\d+ seconds \((\d+\.\d+) seconds"
+)
+_RAYS = {
+    "rays": re.compile(r"^Rays:\s+(\d+)", re.M),
+    "reflected": re.compile(r"^Reflected Rays:\s+(\d+)", re.M),
+    "refracted": re.compile(r"^Refracted Rays:\s+(\d+)", re.M),
+    "shadow": re.compile(r"^Shadow Ray Tests:\s+(\d+)", re.M),
+}
 _LEVEL = re.compile(r"Max Level: (\d+)/(\d+)")
 _FAULT = re.compile(r"error|problem|cannot|could not|failed|not found|invalid", re.IGNORECASE)
 _NOISE = re.compile(r"^(Rendered \d|povray: cannot open the user configuration|POV-Ray finished)")
@@ -117,6 +126,23 @@ def exhausted(text: str) -> bool:
     """Say whether a ray reached the last level, out of the statistics (switch ``+GS``)."""
     level = _LEVEL.search(text)
     return level is None or int(level[1]) >= int(level[2])
+
+
+def trace_seconds(text: str) -> float | None:
+    """Return how long the rays took, out of the statistics; None where they do not say."""
+    said = _TRACE_TIME.search(text)
+    return float(said[3]) if said else None
+
+
+def rays(text: str) -> dict[str, int]:
+    """Return how many rays of a kind were traced, out of the statistics; a kind not told is 0.
+
+    POV-Ray counts its other rays together; what is no reflected or refracted one is primary.
+    """
+    found = {name: _RAYS[name].search(text) for name in _RAYS}
+    counts = {name: int(match[1]) if match else 0 for name, match in found.items()}
+    primary = counts.pop("rays") - counts["reflected"] - counts["refracted"]
+    return {"primary": primary, **counts} if found["rays"] else {}
 
 
 def _dies_with_parent() -> list[str]:

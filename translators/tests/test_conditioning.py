@@ -9,6 +9,7 @@ import pytest
 
 from crosstrace.translators.course import load
 from crosstrace.translators.errors import UsageError
+from crosstrace.translators.ledger import Emulation
 from crosstrace.translators.native.conditioning import (
     Arithmetic,
     Conditioned,
@@ -16,6 +17,7 @@ from crosstrace.translators.native.conditioning import (
     envelope,
     judge,
 )
+from crosstrace.translators.native.unexplained import Unexplained
 from crosstrace.translators.registry import renderer
 from crosstrace.translators.renderer import RenderOptions
 from crosstrace.translators.scene import Scene
@@ -41,12 +43,18 @@ def small(name: str) -> Scene:
     return packaged(name).resized(60, 80)
 
 
-def honest_answers(scene: Scene) -> np.ndarray:
-    """What is said of the pixels of an honest float32 render that are over the tolerance."""
+def beyond_tolerance(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Return pixels (n,) of an honest float32 render that are over the tolerance, and values."""
     image, true = rendered(scene, "f32"), rendered(scene)
     off = np.abs(image - true).max(axis=-1) > 16 * UNIT * np.maximum(1, np.abs(image).max(axis=-1))
     pixels = np.flatnonzero(off)
-    return judge(scene, image.reshape(-1, 3)[pixels], pixels=pixels, arithmetic=FLOAT32)
+    return pixels, image.reshape(-1, 3)[pixels]
+
+
+def honest_answers(scene: Scene) -> np.ndarray:
+    """What is said of the pixels of an honest float32 render that are over the tolerance."""
+    pixels, values = beyond_tolerance(scene)
+    return judge(scene, values, pixels=pixels, arithmetic=FLOAT32)
 
 
 @pytest.mark.parametrize("name", ["ilhas", "terra", "sinuca", "espelho3", "vidro4", "bolha4"])
@@ -55,6 +63,17 @@ def test_an_honest_float32_image_is_explained(name: str) -> None:
     answers = honest_answers(small(name))
     assert not (answers == Conditioned.WRONG).any()
     assert (answers == Conditioned.SUSPECT).sum() <= 8
+
+
+@pytest.mark.parametrize("name", ["sinuca", "vidro4", "bolha4"])
+def test_proofs_rule_out_no_honest_value(name: str) -> None:
+    """Without any sample, nothing of an honest float32 render is proven impossible."""
+    scene = small(name)
+    pixels, values = beyond_tolerance(scene)
+    left = Unexplained(pixels, values, np.zeros(len(pixels)), FLOAT32)
+    possible = left.take_possible([Emulation(scene, {})])
+    assert len(pixels) > 0
+    assert len(possible) == len(pixels)
 
 
 @pytest.mark.slow

@@ -132,12 +132,29 @@ def test_a_tree_that_was_built_before_gives_the_same_bits() -> None:
     """In bands, as it renders large images; a tree of other arrays is not used."""
     scene = cloud(2000)
     whole = _image(scene, [])["image"]
-    for tree in (_core.tree(scene.native_view()), _core.tree(cloud(100).native_view())):
+    for tree in (_core.tree(s.native_view(), None) for s in (scene, cloud(100))):
         for begin, end in ((0, 10), (10, ROWS)):
             band = {"image": np.empty((end - begin, COLUMNS, 3))}
             rows = [("row_begin", str(begin)), ("row_end", str(end))]
             _core.render(scene.native_view(), rows, band, None, tree)
             assert np.array_equal(band["image"], whole[begin:end])
+
+
+def test_sorting_many_spheres_can_be_stopped() -> None:
+    """Before the first ray is traced: by the exception of the callback, which gets through."""
+    scene = cloud(300_000)
+
+    class EnoughError(Exception):
+        pass
+
+    def stop(_: float) -> None:
+        raise EnoughError
+
+    outputs = {"image": np.empty((ROWS, COLUMNS, 3))}
+    for run in (lambda: _core.tree(scene.native_view(), stop),
+                lambda: _core.render(scene.native_view(), [], outputs, stop)):  # fmt: skip
+        with pytest.raises(EnoughError):
+            run()
 
 
 @pytest.mark.slow
