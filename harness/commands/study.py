@@ -48,7 +48,7 @@ def _as_seconds(_: click.Context, __: click.Parameter, value: str | None) -> flo
 @click.option("--samples", type=click.IntRange(1, 32), default=32, show_default=True,
               help="Samples of a pixel, a side, at most.")  # fmt: skip
 @click.option("--runs", type=click.IntRange(3, 100), default=7, show_default=True,
-              help="Timed runs of each setting; more of quick, three of slow ones.")  # fmt: skip
+              help="Timed runs of each setting; more of quick ones, 3 of slow ones.")  # fmt: skip
 @options.renderers
 @options.scene_options
 @click.option("--threads", type=click.IntRange(0), default=1, show_default=True,

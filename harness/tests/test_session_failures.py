@@ -121,7 +121,7 @@ def test_what_a_killed_run_left_goes_with_the_next_one(scene: Scene, tmp_path: P
     os.utime(left, (then, then))
     run([scene], tmp_path / "out", run_options(PLAIN))
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "images", "report.html", "report.json",
+        "images", "report.html", "report.json", "report.md",
     }  # fmt: skip
 
 

@@ -325,7 +325,7 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
   sight.known = 0;
   look_ahead(store, bundle, &sight, is_first, t, object);
   for (size_t at = 0; at < bundle->n; at += N_LANES) {
-    if (is_stopped(store)) return;
+    if (is_stopped(store)) break;
     MASK live = m_first(bundle->n - at);
     VECS direction = vs_load(&bundle->direction, at), point = vs_load(&bundle->origin, at);
     HITS hits = {l_load(t + at), i_load(object + at)};
@@ -362,7 +362,8 @@ INLINE void trace_rays(STORE *store, const BUNDLE *bundle, int64_t depth, int is
     }
     vs_store(&bundle->color, at, color);
   }
-  for (int k = 0; sends && k < 2; k++) {
+  /* Even a frame that is given up gives back its room: whoever called may send another branch. */
+  for (int k = 0; sends && k < 2 && !is_stopped(store); k++) {
     if (!branches[k].rays.n) continue;
     trace_bundle(store, &branches[k].rays, depth + 1);
     take_back(store, bundle, branches + k, TERM_REFLECTION + k, is_first);
