@@ -46,8 +46,9 @@ LOOKED_AT = 256
 #: Parts in which these are looked at, and the standard deviations that end it before the last.
 LOOKS, BEFORE_THE_LAST_LOOK = 4, 5.0
 
-#: Pixels of a round of proofs; before sampling, the next one needs half of them proven impossible.
-ROUND = 1024
+#: Pixels of a round of proofs; before sampling, the next one needs half of them proven impossible,
+#: and the first one half of a few, as a proof costs the more the less it succeeds.
+ROUND, FEW = 1024, 64
 
 #: Pixels after which proofs are given up if fewer than one in fifty succeeds, and at most tried.
 PROVEN_AT_LEAST, PROVEN = 2048, 1 << 15
@@ -88,6 +89,9 @@ class Unexplained:
 
     def drop_impossible(self, meanings: Sequence[Emulation]) -> None:
         """Take out for good what is proven to be impossible, as long as that is most of it."""
+        few = spread(self.left, FEW)
+        if 2 * len(self._take(self._impossible(meanings, few))) < len(few):
+            return
         for part in _rounds(self.left):
             found = self._take(self._impossible(meanings, part))
             if 2 * len(found) < len(part):
