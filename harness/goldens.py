@@ -12,7 +12,6 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -120,9 +119,9 @@ class Reference:
         for i, lane in enumerate(golden.about["lanes"]):
             if (classes := golden.classes.get(lane["name"])) is not None and classes.any():
                 data[f"classes_{i}"] = classes
-        images.write_atomically(arrays, partial(_save, arrays=data))
+        images.write_arrays(arrays, data)
         about = {**golden.about, "arrays_sha256": images.sha256(arrays)}
-        images.write_atomically(text, partial(_save_json, about=about))
+        images.write_bytes(text, record.dumps(about).encode())
         return text.stat().st_size + arrays.stat().st_size
 
     def _files(self, name: str) -> tuple[Path, Path]:
@@ -186,12 +185,3 @@ def _unpacked(data: Any, key: str, shape: tuple[int, int]) -> NDArray[np.uint8]:
     if classes.shape != shape:
         raise ValueError(f"classes of shape {classes.shape} instead of {shape}")
     return classes
-
-
-def _save(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    with path.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)
-
-
-def _save_json(path: Path, about: Mapping[str, Any]) -> None:
-    path.write_bytes(record.dumps(about).encode())

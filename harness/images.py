@@ -125,9 +125,23 @@ def write_atomically(path: str | os.PathLike[str], fill: Callable[[Path], None])
         temporary.unlink(missing_ok=True)
 
 
-def save_bytes(path: Path, content: bytes) -> None:
-    """Write bytes; for `write_atomically`."""
-    path.write_bytes(content)
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file whole or not at all; raises as `write_atomically`."""
+
+    def fill(temporary: Path) -> None:
+        temporary.write_bytes(content)
+
+    write_atomically(path, fill)
+
+
+def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write a compressed `.npz` whole or not at all; raises as `write_atomically`."""
+
+    def fill(temporary: Path) -> None:
+        with temporary.open("wb") as file:
+            np.savez_compressed(file, allow_pickle=False, **arrays)
+
+    write_atomically(path, fill)
 
 
 def sha256(path: Path) -> str:

@@ -80,12 +80,7 @@ def _steps(magnitude: NDArray[np.float64], least: int) -> NDArray[np.int64]:
 
 def write(path: Path, maps: dict[str, NDArray[Any]]) -> None:
     """Write maps to a compressed `.npz`, all of it or nothing."""
-
-    def fill(temporary: Path) -> None:
-        with temporary.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, **maps)
-
-    images.write_atomically(path, fill)
+    images.write_arrays(path, maps)
 
 
 def read(path: Path) -> dict[str, NDArray[Any]]:

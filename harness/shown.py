@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,10 +36,7 @@ def files(
     objects = loaded(REFERENCE).render(scene, options).layers["object"]
     maps.write(common.file(".objects.npz"), {"object": objects.astype(np.int32)})
     pixels = witnesses.record(scene, lanes, judged, far, readings, threads)
-    content = record.dumps(pixels).encode()
-    images.write_atomically(
-        common.file(".pixels.json"), partial(images.save_bytes, content=content)
-    )
+    images.write_bytes(common.file(".pixels.json"), record.dumps(pixels).encode())
     return {"objects": common.entry(".objects.npz"), "pixels": common.entry(".pixels.json")}
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 from crosstrace.harness import images
@@ -29,8 +28,7 @@ def write(reference: Reference, order: list[str]) -> Path:
     )
     found = [golden for name in names if (golden := reference.read(name)) is not None]
     target = reference.folder / FILE
-    text = markdown(found)
-    images.write_atomically(target, partial(_save, text=text))
+    images.write_bytes(target, markdown(found).encode())
     return target
 
 
@@ -62,7 +60,3 @@ def _count(value: int | None) -> str:
     if value is None:
         return "–"
     return f"{value:,}" if value else ""
-
-
-def _save(path: Path, text: str) -> None:
-    path.write_bytes(text.encode())

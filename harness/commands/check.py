@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -112,7 +111,7 @@ def _write(checked: dict[str, Any], output: Path | None, junit: Path | None) -> 
     if junit is not None:
         files[junit] = document(checked)
     for path, content in files.items():
-        images.write_atomically(path, partial(images.save_bytes, content=content))
+        images.write_bytes(path, content)
 
 
 def _print(checked: dict[str, Any], quiet: bool) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from string import ascii_lowercase, ascii_uppercase
 from typing import TYPE_CHECKING, Any
@@ -40,8 +39,7 @@ def plant(
         made = fault_proof.prove(sources, how, events=observe)
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
-        content = record.dumps(made).encode()
-        images.write_atomically(output / NAME, partial(images.save_bytes, content=content))
+        images.write_bytes(output / NAME, record.dumps(made).encode())
     if as_json:
         console.json_result(made)
     else:

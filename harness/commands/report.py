@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import click
@@ -31,7 +30,7 @@ def command(file: Path, output: Path | None, markdown: bool, quiet: bool) -> Non
     if target is None:
         console.result(text.rstrip("\n"))
         return
-    images.write_atomically(target, partial(images.save_bytes, content=text.encode()))
+    images.write_bytes(target, text.encode())
     console.note(f"report: {target}", quiet)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +66,7 @@ def command(
     with console.progress(quiet, f"scenes: {len(sources)}, renderers: {', '.join(lanes)}") as bar:
         report = run(sources, output, how, events=console.observer(bar))
     if junit is not None:
-        images.write_atomically(junit, partial(images.save_bytes, content=of_run(report)))
+        images.write_bytes(junit, of_run(report))
     if as_json:
         console.json_result(report)
     else:

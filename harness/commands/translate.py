@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -64,12 +63,8 @@ def _print(translation: Translation) -> None:
 
 def _write(translation: Translation, output: Path) -> None:
     """Write the main file as `output` and any others beside it, under their own names."""
-    from crosstrace.harness.images import write_atomically
+    from crosstrace.harness.images import write_bytes
 
     for i, (name, text) in enumerate(translation.files.items()):
         target = output if i == 0 else output.with_name(Path(name).name)
-        write_atomically(target, partial(_save, text=text))
-
-
-def _save(path: Path, text: str) -> None:
-    path.write_bytes(text.encode())
+        write_bytes(target, text.encode())

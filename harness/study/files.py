@@ -26,14 +26,7 @@ def publish(
     with publishing.workspace(directory) as built:
         publishing.publish(built, directory, _report(made, done, options, drawn))
     for name, text in ((JSON_NAME, record.dumps(made)), (PICTURE_NAME, drawn)):
-        images.write_atomically(
-            directory / name,
-            lambda path, text=text: _write(path, text),  # type: ignore[misc]
-        )
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
+        images.write_bytes(directory / name, text.encode())
 
 
 def _report(
