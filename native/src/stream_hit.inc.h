@@ -115,23 +115,26 @@ INLINE MASK blocking_own_light(const STAGE *stage, const SHAPE *s, VECS origin,
   return m_and(l_less(l_all(stage->world->shadow_min), other), l_less(other, limit));
 }
 
+/* The lanes of `wanted` in which one object does, on which the lamp may lie. */
+INLINE MASK blocking(const STAGE *stage, const SHAPE *s, int has_lamp, VECS origin, VECS direction,
+                     LANES reach, LANES limit, MASK wanted) {
+  if (has_lamp) return m_and(wanted, blocking_own_light(stage, s, origin, direction, reach, limit));
+  LANES t_min = l_all(stage->world->shadow_min);
+  ROOTS roots = roots_of(stage, s, origin, direction, 0, t_min, wanted);
+  return m_and(roots.valid, l_less(roots.t, limit));
+}
+
 /* The lanes of `wanted` in which an object of `may` stands nearer than `limit` on the way to lamp
  * j, which is at `reach`. */
 INLINE MASK blocked_of(const STAGE *stage, const uint64_t *may, size_t j, VECS origin,
                               VECS direction, LANES reach, LANES limit, MASK wanted) {
   MASK blocked = m_none();
-  LANES t_min = l_all(stage->world->shadow_min);
   for (size_t word = 0; word < stage->n_words; word++)
     for (uint64_t left = may[word]; left; left &= left - 1) {
       size_t i = 64 * word + (unsigned)__builtin_ctzll(left);
-      const SHAPE *s = stage->shape + i;
-      MASK here;
-      if (stage->lamp[j].is_on_a_surface && ct_light_is_on(stage->world->frame, j, i)) {
-        here = m_and(wanted, blocking_own_light(stage, s, origin, direction, reach, limit));
-      } else {
-        ROOTS roots = roots_of(stage, s, origin, direction, 0, t_min, wanted);
-        here = m_and(roots.valid, l_less(roots.t, limit));
-      }
+      int has_lamp =
+          stage->lamp[j].is_on_a_surface && ct_light_is_on(stage->world->frame, j, i);
+      MASK here = blocking(stage, stage->shape + i, has_lamp, origin, direction, reach, limit, wanted);
       blocked = m_or(blocked, here);
       wanted = m_but(wanted, here);
       if (!m_any(wanted)) return blocked;

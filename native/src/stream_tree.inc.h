@@ -144,18 +144,13 @@ INLINE MASK blocked_in_tree(const STAGE *stage, const LIST *list, size_t j, VECS
                             VECS direction, LANES reach, LANES limit, MASK wanted) {
   const ct_bvh *bvh = stage->bvh;
   MASK blocked = m_none();
-  LANES t_min = l_all(stage->world->shadow_min);
   for (size_t k = 0; k < bvh->n_apart + list->n; k++) {
     int is_apart = k < bvh->n_apart;
     const SHAPE *s = is_apart ? stage->shape + k : list->shape + (k - bvh->n_apart);
-    MASK here;
-    if (is_apart && stage->lamp[j].is_on_a_surface &&
-        ct_light_is_on(stage->world->frame, j, bvh->apart[k])) {
-      here = m_and(wanted, blocking_own_light(stage, s, origin, direction, reach, limit));
-    } else {
-      ROOTS roots = roots_of(stage, s, origin, direction, 0, t_min, wanted);
-      here = m_and(roots.valid, l_less(roots.t, limit));
-    }
+    /* What a lamp lies on stands apart. */
+    int has_lamp = is_apart && stage->lamp[j].is_on_a_surface &&
+                   ct_light_is_on(stage->world->frame, j, bvh->apart[k]);
+    MASK here = blocking(stage, s, has_lamp, origin, direction, reach, limit, wanted);
     blocked = m_or(blocked, here);
     wanted = m_but(wanted, here);
     if (!m_any(wanted)) return blocked;
