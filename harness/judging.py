@@ -86,9 +86,10 @@ def judge(
     started = time.perf_counter()
     known = known or truth.certify(scene, readings, threads=threads)
     certified = time.perf_counter()
+    ledgers = {lane: loaded(lane).ledger(scene) for lane in lanes}
     classified = {
         lane: classify(
-            scene, known, image, loaded(lane).ledger(scene),
+            scene, known, image, ledgers[lane],
             half_step=half_step, readings=readings, threads=threads,
         )
         for lane, (image, half_step) in lanes.items()
@@ -105,9 +106,7 @@ def judge(
     images_of = {lane: image for lane, (image, _) in lanes.items()}
     found = describe(scene, images_of, known, classified, readings, threads)
     named = {
-        lane: declared.met(
-            scene, loaded(lane).ledger(scene), one.pixels(Class.WRONG, Class.SUSPECT), readings
-        )
+        lane: declared.met(scene, ledgers[lane], one.pixels(Class.WRONG, Class.SUSPECT), readings)
         for lane, one in classified.items()
     }
     seconds = {"certify": certified - started, "classify": classed - certified,

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ class Envelope:
         answer = np.zeros(n, np.bool_)
         if n == 0 or count == 0:
             return answer
-        owner, starts, order = self._groups()
+        owner, starts, order = self._groups
         colors = self.colors.reshape(-1, 3)[order]
         low, high = np.minimum.reduceat(colors, starts), np.maximum.reduceat(colors, starts)
         m = np.diff(starts, append=len(order))[:, None].astype(np.float64)
@@ -82,13 +83,14 @@ class Envelope:
         K - 1 with the chance c/K * C(K - c, m) / C(K - 1, m).
         """
         n, count = self.trees.shape
-        owner, starts, order = self._groups()
+        owner, starts, order = self._groups
         c = np.arange(1, count)
         missed = np.cumprod(np.maximum(count - c - m, 0) / np.maximum(count - c, 1))
         chance = np.concatenate(([0.0, 1.0], missed)) * np.arange(count + 1) / max(count, 1)
         sizes = np.diff(starts, append=len(order))
         return np.asarray(np.bincount(owner, chance[sizes], minlength=n), np.float64)
 
+    @cached_property
     def _groups(self) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
         """Sort all samples by pixel and tree: the pixel and the start of each group, the order."""
         n, count = self.trees.shape
