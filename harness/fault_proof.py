@@ -85,10 +85,7 @@ def state(row: Mapping[str, Any]) -> State:
 
 def exit_status(record: Mapping[str, Any]) -> int:
     """Return 1 where a fault escaped, 3 where a lane failed to render or nothing was judged."""
-    by_word = {
-        "pass": outcome.OK, "fail": outcome.DISAGREES, "incomplete": outcome.RENDERER_FAILED,
-    }  # fmt: skip
-    return by_word[record["status"]]
+    return outcome.EXIT_STATUS[record["status"]]
 
 
 def _status(made: Sequence[Row]) -> str:

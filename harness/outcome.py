@@ -11,6 +11,9 @@ GOOD = ("agree", "explained")
 
 OK, DISAGREES, RENDERER_FAILED = 0, 1, 3
 
+#: Of a check, or of the proof that checks catch faults: its status in a word.
+EXIT_STATUS = {"pass": OK, "fail": DISAGREES, "incomplete": RENDERER_FAILED}
+
 
 def outcome(scene: Mapping[str, Any]) -> Outcome:
     """Say whether a scene came out as it should: well, or exactly as its index expects.

@@ -59,10 +59,7 @@ def check(
 
 def exit_status(checked: Mapping[str, Any]) -> int:
     """Return 0 for a check that passed, 1 for one that failed, 3 for an incomplete one."""
-    by_word = {
-        "pass": outcome.OK, "fail": outcome.DISAGREES, "incomplete": outcome.RENDERER_FAILED,
-    }  # fmt: skip
-    return by_word[checked["status"]]
+    return outcome.EXIT_STATUS[checked["status"]]
 
 
 def bless(

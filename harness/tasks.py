@@ -27,7 +27,7 @@ from crosstrace.translators.renderer import (
     Seconds,
     Translation,
 )
-from crosstrace.translators.sampling import CENTRE
+from crosstrace.translators.sampling import CENTRE, means
 from crosstrace.translators.scene import Scene
 
 if TYPE_CHECKING:
@@ -217,8 +217,7 @@ def _averaged(
     fine = scene.resized(scene.v_res * side, scene.h_res * side)
     made, peak_mib = drawn(renderer, fine, replace(options, sampling=CENTRE), progress)
     started = time.perf_counter()
-    blocks = made.image.reshape(scene.v_res, side, scene.h_res, side, 3)
-    made.image = blocks.mean(axis=(1, 3))
+    made.image = means(made.image, side)
     made.seconds.render += time.perf_counter() - started
     made.settings["sampling"] = str(options.sampling)
     made.layers = {}

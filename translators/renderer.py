@@ -96,6 +96,10 @@ class Seconds:
     render: float = 0.0
 
 
+#: What `settings["rays"]` of a rendering counts.
+RAY_KINDS = ("primary", "shadow", "reflected", "refracted")
+
+
 @dataclass
 class Rendering:
     """An image and how it came about.
@@ -111,6 +115,12 @@ class Rendering:
     settings: dict[str, Any] = field(default_factory=dict)
     layers: dict[str, NDArray[Any]] = field(default_factory=dict)
     messages: list[str] = field(default_factory=list)
+
+    @property
+    def n_rays(self) -> int | None:
+        """All rays of the image by the renderer's own count; None where it does not say."""
+        counted = self.settings.get("rays")
+        return sum(counted[kind] for kind in RAY_KINDS) if counted else None
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,13 @@ samples a pixel, and K × K where these, or those next to them, see something el
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from crosstrace.translators.errors import UsageError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Kind = Literal["centre", "regular", "jittered", "adaptive"]
 
@@ -55,6 +59,14 @@ def parse(text: str) -> Sampling:
     expected = "centre, regular:K, jittered:K or adaptive:K"
     raise UsageError(f"sampling: expected {expected} with K from 1 to {LARGEST_SIDE}, "
                      f"found {text!r}")  # fmt: skip
+
+
+def means(samples: NDArray[np.float64], side: int) -> NDArray[np.float64]:
+    """Return the means of squares of `side` × `side` samples: (rows, columns, 3) to a frame."""
+    rows, columns, _ = samples.shape
+    blocks = samples.reshape(rows // side, side, columns // side, side, 3)
+    averaged: NDArray[np.float64] = blocks.mean(axis=(1, 3))
+    return averaged
 
 
 def only_centre(sampling: Sampling, lane: str) -> None:

@@ -28,8 +28,6 @@ from crosstrace.translators.scene import Scene
 #: Scenes and size, unless asked otherwise.
 SCENES, SIZE = ("glass-bench", "phong-bench", "vidro4"), (1080, 1920)
 
-_KINDS = ("primary", "shadow", "reflected", "refracted")
-
 #: How often each block of rays is traced where memory is not to count.
 PASSES = 16
 
@@ -123,7 +121,7 @@ def one_thread_frame(scene: Scene) -> tuple[float, int]:
     started = time.process_time()
     made = loaded(REFERENCE).render(scene, RenderOptions(threads=1))
     seconds = time.process_time() - started
-    return seconds, sum(made.settings["rays"][kind] for kind in _KINDS)
+    return seconds, made.n_rays or 0
 
 
 def measure_rays(name: str, scene: Scene, repeat: int) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from crosstrace.harness.jobs import Task, WorkerPool
 from crosstrace.harness.lanes import LANES
-from crosstrace.harness.sources import Source
+from crosstrace.harness.sources import Source, sized
 from crosstrace.harness.stability import MOST_ROWS, Event
 from crosstrace.harness.study import pareto, references, timing
 from crosstrace.harness.study.errors import Error, Value, half_widths, measured
@@ -76,12 +76,7 @@ def entries(sources: Sequence[Source], size: tuple[int, int] | None) -> list[Ent
     """Return what is to be studied, at the size at which it is."""
     made = []
     for source in sources:
-        scene = source.scene
-        if size is not None:
-            scene = scene.resized(*size)
-        elif scene.v_res > MOST_ROWS:
-            columns = max(1, round(scene.h_res * MOST_ROWS / scene.v_res))
-            scene = scene.resized(MOST_ROWS, columns)
+        scene = sized(source.scene, size, MOST_ROWS)
         stated = None if scene.shape == source.scene.shape else scene.shape[:2]
         made.append(Entry(source, scene, scene.path.removeprefix("crosstrace:"), stated))
     return made

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from crosstrace.translators.effects import effects
@@ -108,9 +108,9 @@ class Point:
     def options(self, threads: int, timeout_s: float | None) -> RenderOptions:
         """Return how its renderer is asked for it."""
         readings = {"epsilon": self.epsilon} if self.epsilon else {}
-        more: dict[str, Any] = {"tolerance": self.tolerance} if self.tolerance else {}
         return RenderOptions(threads, readings, self.precision, timeout_s=timeout_s,
-                             sampling=self.sampling, tuning=self.tuning, **more)  # fmt: skip
+                             tolerance=self.tolerance, sampling=self.sampling,
+                             tuning=self.tuning)  # fmt: skip
 
     def command(self, scene: str, size: tuple[int, int] | None, threads: int) -> str:
         """Return the line that renders it; the image is image.npy, or .npz with enclosures."""
@@ -127,11 +127,6 @@ class Point:
         words += ["--threads", str(threads)] if threads else []
         words += ["-o", "image.npz" if self.certify else "image.npy"]
         return shlex.join(words)
-
-
-def prunes() -> bool:
-    """Say whether the native tracer can leave out rays that hardly matter."""
-    return "tolerance" in {it.name for it in fields(RenderOptions)}
 
 
 def bounces(scene: Scene) -> bool:
@@ -175,7 +170,7 @@ def _native(scene: Scene, depths: Sequence[int]) -> Iterator[Point]:
             yield from (Point("native", "offset", precision, epsilon=it) for it in epsilons)
     if bounces(scene):
         yield from (Point("native", "depth", max_depth=depth) for depth in depths)
-        if prunes() and scene.max_depth > 0:
+        if scene.max_depth > 0:
             yield from (Point("native", "pruning", tolerance=it) for it in TOLERANCES)
 
 

@@ -88,7 +88,7 @@ def deep(scene: Scene, threads: int) -> tuple[Value, dict[str, Any]]:
     def at(depth: int) -> tuple[NDArray[np.float64], int]:
         deeper = replace(scene, max_depth=depth, checked=False)
         made = Native().render(deeper, RenderOptions(threads))
-        return made.image, sum(made.settings["rays"].values())
+        return made.image, made.n_rays or 0
 
     depth, change = scene.max_depth, np.inf
     image, first = at(depth)

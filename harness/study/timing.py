@@ -11,7 +11,7 @@ import resource
 import statistics
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -85,12 +85,8 @@ def timed(lane: str, scene: Scene, options: RenderOptions, runs: int) -> Timed:
 
     made, found = _measured(once, runs)
     found.image, found.half_step = made.image, made.half_step
-    rays = made.settings.get("rays", {})
-    kinds = ("primary", "shadow", "reflected", "refracted")
-    found.rays = sum(rays[kind] for kind in kinds) if rays else None
+    found.rays = made.n_rays
     if options.precision in ("f80", "dd", "f128"):
-        from dataclasses import replace
-
         again, _ = tasks.render(lane, scene, replace(options, layers=True))
         found.low = again.layers["image_low"]
     return found

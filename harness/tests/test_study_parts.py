@@ -150,7 +150,7 @@ def test_points_are_of_what_the_scene_calls_for() -> None:
     """No bounces are swept where none are sent, no epsilon without shadows, no lane unasked."""
     kinds = {it.kind for it in plan(scene(), ["native"], [1, 2], range(4))}
     assert {"rounding", "certified", "offset", "depth", "sampling"} <= kinds
-    assert ("pruning" in kinds) == study_points.prunes()
+    assert "pruning" in kinds
     kinds = {it.kind for it in plan(scene(2), ["native"], [1], range(4))}
     assert kinds == {"rounding", "certified", "offset", "sampling"}
     kinds = {it.kind for it in plan(scene(1), ["native"], [1], range(4))}

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from crosstrace.harness import verdict_table
 from crosstrace.harness.goldens import located
 from crosstrace.harness.sources import all_packaged_names
@@ -16,8 +14,6 @@ def test_the_packaged_table_is_that_of_the_packaged_goldens(tmp_path: Path) -> N
     reference = located(None)
     names = list(all_packaged_names())
     goldens = [golden for name in names if (golden := reference.read(name)) is not None]
-    if not goldens:
-        pytest.skip("this checkout has no goldens")
     text = (reference.folder / verdict_table.FILE).read_text(encoding="utf-8")
     assert verdict_table.markdown(goldens) == text
     assert len(goldens) == len(names)

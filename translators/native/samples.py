@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from crosstrace.native import _core
 from crosstrace.translators.renderer import Progress
-from crosstrace.translators.sampling import Sampling
+from crosstrace.translators.sampling import Sampling, means
 from crosstrace.translators.scene import Scene
 
 Array = NDArray[np.float64]
@@ -85,7 +85,7 @@ def _full(
         band = np.empty(((bottom - top) * side, scene.h_res * side, 3))
         span = [("row_begin", str(top * side)), ("row_end", str(bottom * side))]
         rays.update(_core.render(fine, [*settings, *span], {"image": band}, None, tree))
-        image[top:bottom] = _means(band, side)
+        image[top:bottom] = means(band, side)
         progress(bottom / scene.v_res)
     return image, _counts(rays)
 
@@ -99,7 +99,7 @@ def _adaptive(
     first = _finer(scene, FIRST_SIDE).native_view()
     tree = _core.tree(first, None)
     rays.update(_core.render(first, settings, {"image": colors, "tree": trees}, None, tree))
-    image = _means(colors, FIRST_SIDE)
+    image = means(colors, FIRST_SIDE)
     cells = np.flatnonzero(refined(trees, colors)).astype(np.int64)
     fine, pixels = _finer(scene, side).native_view(), image.reshape(-1, 3)
     at_once = max(1, _AT_ONCE // side**2)
@@ -111,12 +111,6 @@ def _adaptive(
         pixels[some] = samples.mean(axis=1)
         progress((start + len(some)) / len(cells))
     return image, {**_counts(rays), "refined": len(cells)}
-
-
-def _means(samples: Array, side: int) -> Array:
-    rows, columns, _ = samples.shape
-    blocks = samples.reshape(rows // side, side, columns // side, side, 3)
-    return np.asarray(blocks.mean(axis=(1, 3)))
 
 
 def _counts(rays: Counter[str]) -> dict[str, int]:
