@@ -1,8 +1,11 @@
 /* Nearest hits of given rays, many side by side, and how fast this instruction set multiplies and
  * adds: what the speed of the former is held against. */
 
-/* Rays of a block: they and their hits stay in the processor's nearest cache. */
-enum { BLOCK_RAYS = 256 };
+/* Rays of a block: they and their hits stay in the processor's nearest cache. Against a tree, many
+ * share what they list. Against a few objects memory is what takes long, and small blocks let more
+ * of the next one arrive meanwhile: 235, 209 and 200 million rays a second against four objects for
+ * 64, 128 and 256 (Zen 4, AVX-512). */
+enum { BLOCK_RAYS = 64 };
 
 /* Rays of a block against a tree: as a bundle, they list what they may meet. */
 static void intersect_with_tree(const STAGE *stage, const COLUMNS *origin, const COLUMNS *direction,
@@ -25,15 +28,28 @@ static void intersect_with_tree(const STAGE *stage, const COLUMNS *origin, const
   }
 }
 
+/* Asks for rays before their turn: at the end of every page, and there are six columns of them, the
+ * processor's own guesses begin anew. */
+INLINE void ask_for_rays(const ct_rays *rays, size_t begin, size_t n) {
+  enum { LINE = 64 / sizeof(double), NOT_NEAREST = 2 };
+  size_t end = begin + n < rays->n ? begin + n : rays->n;
+  for (int i = 0; i < 3; i++)
+    for (size_t at = begin; at < end; at += LINE) {
+      __builtin_prefetch(rays->origin[i] + at, 0, NOT_NEAREST);
+      __builtin_prefetch(rays->direction[i] + at, 0, NOT_NEAREST);
+    }
+}
+
 static void FN(intersect)(const void *opaque, const ct_rays *rays, size_t passes, double *t,
                           int64_t *object) {
   const STAGE *stage = opaque;
-  REAL part[6][N_LANES], near[BLOCK_RAYS];
-  LANE_ID id[BLOCK_RAYS];
+  REAL part[6][N_LANES], near[BUNDLE_RAYS];
+  LANE_ID id[BUNDLE_RAYS];
+  size_t most = stage->bvh ? BUNDLE_RAYS : BLOCK_RAYS;
   for (size_t block = 0, n; block < rays->n; block += n) {
     COLUMNS c[2];
     size_t left = rays->n - block;
-    n = left < BLOCK_RAYS ? left / N_LANES * N_LANES : BLOCK_RAYS;
+    n = left < most ? left / N_LANES * N_LANES : most;
     if (n > 0) {
       for (int k = 0; k < 2; k++) {
         const double *const *from = k ? rays->direction : rays->origin;
@@ -50,6 +66,7 @@ static void FN(intersect)(const void *opaque, const ct_rays *rays, size_t passes
       }
       for (int k = 0; k < 2; k++) c[k] = (COLUMNS){part[3 * k], part[3 * k + 1], part[3 * k + 2]};
     }
+    ask_for_rays(rays, block + 3 * most, most);
     for (size_t pass = 0; pass < passes; pass++)
       if (stage->bvh)
         intersect_with_tree(stage, c, c + 1, n, near, id);
