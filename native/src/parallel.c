@@ -1,5 +1,5 @@
 /* Threads over chunks of items, handed out by a counter. The calling thread waits, wakes every
- * 50 ms to call back, and so can end the work within the time of one item. */
+ * 50 ms to call back, and so can end the work within the time of one chunk. */
 #define _GNU_SOURCE
 #include "parallel.h"
 
@@ -12,25 +12,41 @@
 
 enum { MAX_THREADS = 256 };
 
+/* No thread takes more than one in so many parts of its share of what is left. */
+enum { SHARES = 4 };
+
 typedef struct crew {
   const ct_work *work;
   atomic_uint_fast64_t next, done;
   pthread_mutex_t lock;
   pthread_cond_t finished;
-  unsigned n_running;
+  unsigned n_threads, n_running;
 } crew;
+
+/* Takes the next chunks in a row; towards the end fewer, so that all threads end together. */
+static int claim(crew *c, uint64_t *begin, uint64_t *end) {
+  uint64_t chunk = c->work->chunk, most = c->work->claim ? c->work->claim : 1;
+  *begin = atomic_load(&c->next);
+  do {
+    if (*begin >= c->work->n_items) return 0;
+    uint64_t left = c->work->n_items - *begin, share = left / chunk / (SHARES * c->n_threads);
+    uint64_t taken = (share < 1 ? 1 : share < most ? share : most) * chunk;
+    *end = *begin + (taken < left ? taken : left);
+  } while (!atomic_compare_exchange_weak(&c->next, begin, *end));
+  return 1;
+}
 
 static void *run_thread(void *argument) {
   crew *c = argument;
   const ct_work *work = c->work;
   ct_machine_state caller = ct_machine_enter();
   void *state = work->enter ? work->enter(work->job) : NULL;
-  for (;;) {
-    uint64_t begin = atomic_fetch_add(&c->next, work->chunk);
-    if (begin >= work->n_items || atomic_load(work->stop)) break;
-    uint64_t end = work->n_items - begin < work->chunk ? work->n_items : begin + work->chunk;
-    work->run(work->job, state, begin, end);
-    atomic_fetch_add(&c->done, end - begin);
+  uint64_t begin = 0, end = 0;
+  while (!atomic_load(work->stop) && (begin < end || claim(c, &begin, &end))) {
+    uint64_t next = end - begin < work->chunk ? end : begin + work->chunk;
+    work->run(work->job, state, begin, next);
+    atomic_fetch_add(&c->done, next - begin);
+    begin = next;
   }
   if (work->leave) work->leave(work->job, state);
   ct_machine_leave(caller);
@@ -82,7 +98,7 @@ ct_status ct_parallel(const ct_work *work, unsigned n_threads, ct_progress progr
   if (n_used) *n_used = n_threads;
   if (n_threads == 0) return CT_OK;
   crew c = {.work = work, .lock = PTHREAD_MUTEX_INITIALIZER, .finished = PTHREAD_COND_INITIALIZER,
-            .n_running = n_threads};
+            .n_threads = n_threads, .n_running = n_threads};
   if (pthread_attr_init(&attributes)) return CT_ERR_THREAD;
   pthread_attr_setstacksize(&attributes, work->stack_bytes);
   while (n_started < n_threads &&

@@ -12,7 +12,8 @@ typedef void (*ct_chunk)(void *job, void *thread_state, uint64_t begin, uint64_t
 typedef struct ct_work {
   ct_chunk run;
   void *job;
-  uint64_t n_items, chunk;
+  uint64_t n_items, chunk; /* a call of run does `chunk` items, the last one what is left */
+  uint64_t claim;          /* chunks that a thread takes one after another; 0: one */
   size_t stack_bytes;
   /* One state a thread, made and given back in that thread; both may be NULL. */
   void *(*enter)(void *job);

@@ -13,6 +13,10 @@
 
 enum { TILE_SIDE = 16 };
 
+/* A thread's tiles lie side by side: two threads would fetch each other's part of the image ahead of
+ * time. One by one, tiles of phong-bench cost two threads together up to half as much again as one. */
+enum { TILES_IN_A_ROW = 32 };
+
 /* AddressSanitizer pads every variable of a frame. */
 #if defined(__SANITIZE_ADDRESS__)
 enum { STACK_FACTOR = 4 };
@@ -179,6 +183,7 @@ static ct_status render_all(job *j, const ct_options *options, uint64_t n_tiles,
       j->rounding = rounding_modes[options->rounding];
       j->shared.ray_budget = options->ray_budget;
       ct_work work = {.run = render_tiles, .job = j, .n_items = n_tiles, .chunk = 1,
+                      .claim = TILES_IN_A_ROW,
                       .stack_bytes = ct_kernel_stack(kernel, frame.max_depth) +
                                      (stream ? stream_stack(frame.max_depth) : 0),
                       .enter = enter_thread, .leave = leave_thread, .stop = &j->shared.stop};
