@@ -119,6 +119,31 @@ static void certify_pixel(job *j, uint64_t at, uint64_t n_closed[N_LEVELS]) {
   store(j, at, &result, class, level);
 }
 
+/* Stores a batch as if all of it were certified, array by array: one by one took a twentieth of the
+ * time. */
+static void store_batch(const job *j, uint64_t begin, size_t n, const ct_set_batch *batch) {
+  const ct_enclosures *out = j->out;
+  for (size_t i = 0; i < n; i++)
+    for (size_t k = 0; k < 3; k++) {
+      if (out->lo) out->lo[3 * (begin + i) + k] = batch->lo[k][i];
+      if (out->hi) out->hi[3 * (begin + i) + k] = batch->hi[k][i];
+    }
+  if (out->pixel_class) memset(out->pixel_class + begin, CT_CERTIFIED, n);
+  if (out->level) memset(out->level + begin, 0, n);
+  if (out->decision) memset(out->decision + begin, CT_DECISION_NONE, n);
+  if (out->n_alternatives) memset(out->n_alternatives + begin, 1, n);
+  if (out->depth) memset(out->depth + begin, 0, n * sizeof *out->depth);
+  for (size_t i = 0; out->object && i < n; i++) out->object[begin + i] = -1;
+  for (size_t i = 0; out->alternatives && i < n; i++) {
+    double *to = out->alternatives + (begin + i) * CT_ALTERNATIVES * 6;
+    memset(to, 0, CT_ALTERNATIVES * 6 * sizeof *to);
+    for (int k = 0; k < 3; k++) {
+      to[k] = batch->lo[k][i];
+      to[3 + k] = batch->hi[k][i];
+    }
+  }
+}
+
 /* Certifies those pixels of a chunk that need no decision looked into; says which are left. */
 static void certify_batch(job *j, uint64_t begin, uint64_t end, uint64_t n_closed[N_LEVELS],
                           unsigned char open[CHUNK]) {
@@ -127,21 +152,16 @@ static void certify_batch(job *j, uint64_t begin, uint64_t end, uint64_t n_close
   ct_set_limits limits = {outcomes_followed[0], RAYS_PER_PIXEL, &j->stop};
   for (uint64_t at = begin; at < end; at++) pixels[at - begin] = pixel_at(j, at);
   j->stream->batch(j->stream_world, pixels, (int)(end - begin), &limits, &batch);
-  ct_set_result result = {.status = CT_SET_DECIDED, .n_alternatives = 1,
-                          .first = {CT_DECISION_NONE, 0, -1}};
   memcpy(open, batch.open, CHUNK);
   for (uint64_t i = 0; i < end - begin; i++) {
     for (int k = 0; k < 3; k++) {
       double lo = batch.lo[k][i], hi = batch.hi[k][i];
       /* Also where one is no number. */
       if (!(lo <= hi) || !(hi - lo <= j->request->tolerance)) open[i] = 1;
-      result.lo[k] = result.alternatives[0][0][k] = lo;
-      result.hi[k] = result.alternatives[0][1][k] = hi;
     }
-    if (open[i]) continue;
-    store(j, begin + i, &result, CT_CERTIFIED, 0);
-    n_closed[0]++;
+    n_closed[0] += !open[i];
   }
+  store_batch(j, begin, end - begin, &batch);
 }
 
 static void run_chunk(void *argument, void *state, uint64_t begin, uint64_t end) {

@@ -32,9 +32,10 @@ typedef struct SET_FN(colors) {
 static MASK living_lanes(BATCH *batch, const STREAM *rays, int at) {
   unsigned bits = 0;
   int n = rays->n - at < N_LANES ? rays->n - at : N_LANES;
+  if (!batch->is_any_open && !batch->counts) return m_from_bits((1u << n) - 1);
   for (int k = 0; k < n; k++) {
     int slot = (int)rays->slot[at + k];
-    if (++batch->n_rays[slot] > batch->limits->n_rays) batch->open[slot] = 1;
+    if (++batch->n_rays[slot] > batch->limits->n_rays) batch->open[slot] = batch->is_any_open = 1;
     if (!batch->open[slot]) bits |= 1u << k;
   }
   return m_from_bits(bits);
@@ -134,6 +135,7 @@ static void trace_stream(const SWORLD *world, BATCH *batch, const STREAM *rays, 
   if (depth > DEEPEST || atomic_load_explicit(batch->limits->stop, memory_order_relaxed)) {
     memset(out, 0, sizeof *out);
     for (int i = 0; i < rays->n; i++) batch->open[(int)rays->slot[i]] = 1;
+    batch->is_any_open = 1;
     return;
   }
   for (int at = 0; at < rays->n; at += N_LANES)
@@ -191,16 +193,30 @@ static void SET_FN(batch)(const void *opaque, const int64_t *pixels, int n,
                           const ct_set_limits *limits, ct_set_batch *out) {
   const SWORLD *world = opaque;
   const ct_scene_view *view = world->base->view;
-  BATCH batch = {.limits = limits, .open = out->open};
+  BATCH batch;
   STREAM rays;
   COLORS colors;
   const ct_medium *medium = world->base->frame->eye_medium;
+  int64_t depth = world->base->frame->max_depth;
   double row[ROOM], column[ROOM];
   rays.n = n;
+  batch.limits = limits;
+  batch.open = out->open;
+  batch.is_any_open = 0;
+  batch.counts = depth > 60 || limits->n_rays < UINT64_C(2) << depth;
+  if (batch.counts) memset(batch.n_rays, 0, sizeof batch.n_rays);
+  int64_t last = -2, of_row = 0, of_column = 0; /* of the pixel `last` */
   for (int i = 0; i < ROOM; i++) {
     int64_t pixel = pixels[i < n ? i : n - 1];
-    row[i] = (double)(pixel / view->h_res);
-    column[i] = (double)(pixel % view->h_res);
+    if (pixel == last + 1 && of_column + 1 < view->h_res) {
+      of_column++;
+    } else if (pixel != last) { /* most follow one another: a division takes long */
+      of_row = pixel / view->h_res;
+      of_column = pixel % view->h_res;
+    }
+    last = pixel;
+    row[i] = (double)of_row;
+    column[i] = (double)of_column;
     rays.slot[i] = i < n ? i : n - 1;
     rays.medium[i] = medium;
   }

@@ -32,12 +32,14 @@ typedef struct SET_FN(stream) {
 typedef struct SET_FN(batch) {
   const ct_set_limits *limits;
   unsigned char *open;
+  int is_any_open;
+  int counts; /* rays, as a pixel may send more than it is allowed */
   uint64_t n_rays[CT_SET_STREAM];
 } BATCH;
 
 static void leave_open(BATCH *batch, const STREAM *rays, int at, MASK lanes) {
   for (unsigned bits = m_bits(lanes); bits; bits &= bits - 1)
-    batch->open[(int)rays->slot[at + __builtin_ctz(bits)]] = 1;
+    batch->open[(int)rays->slot[at + __builtin_ctz(bits)]] = batch->is_any_open = 1;
 }
 
 static void set_mirror(const double *n, IV mirror[3][3]) {
