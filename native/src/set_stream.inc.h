@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+#define NOT_INLINE static __attribute__((noinline))
+
 #include "bvh_walk.h"
 #include "kernel.h"
 #include "set_stream.h"
@@ -17,15 +20,17 @@
 #include "set_stream_interval.inc.h"
 #include "set_stream_world.inc.h"
 #include "set_stream_hit.inc.h"
+#include "set_stream_cull.inc.h"
 #include "set_stream_shadow.inc.h"
 #include "set_stream_point.inc.h"
 #include "set_stream_scatter.inc.h"
+#include "set_stream_primary.inc.h"
 
 /* Deeper rays are left to the scalar kernel: a level of the recursion takes much stack. */
 enum { DEEPEST = 1000 };
 
 typedef struct SET_FN(colors) {
-  double channel[6][ROOM]; /* (-lo, hi) of three channels */
+  ALIGNED double channel[6][ROOM]; /* (-lo, hi) of three channels */
 } COLORS;
 
 /* The lanes of a vector whose pixels are still worth tracing; counts their rays. */
@@ -35,7 +40,8 @@ static MASK living_lanes(BATCH *batch, const STREAM *rays, int at) {
   if (!batch->is_any_open && !batch->counts) return m_from_bits((1u << n) - 1);
   for (int k = 0; k < n; k++) {
     int slot = (int)rays->slot[at + k];
-    if (++batch->n_rays[slot] > batch->limits->n_rays) batch->open[slot] = batch->is_any_open = 1;
+    if (batch->counts && ++batch->n_rays[slot] > batch->limits->n_rays)
+      batch->is_any_open = batch->open[slot] = 1;
     if (!batch->open[slot]) bits |= 1u << k;
   }
   return m_from_bits(bits);
@@ -49,7 +55,7 @@ static const SOLID *solid_at(const SWORLD *world, size_t index, SOLID *room) {
 }
 
 /* The light of the hits of one solid, and their secondary rays. */
-static inline void shade(const SWORLD *world, const STREAM *rays, int at, int is_last,
+ALWAYS_INLINE void shade(const SWORLD *world, SIGHT *sight, const STREAM *rays, int at, int is_last,
                          const VI o[3], const VI d[3], const VS3 *d_signed, const NEAREST *nearest,
                          const SOLID *solid, MASK lanes, VI color[3], CHILD *mirrored,
                          CHILD *refracted, MASK *bad) {
@@ -63,54 +69,113 @@ static inline void shade(const SWORLD *world, const STREAM *rays, int at, int is
     int has_light = ((base->effects & CT_DIFFUSE) && m[CT_KD] > 0) ||
                     ((base->effects & CT_SPECULAR) && m[CT_KS] > 0);
     for (size_t j = 0; has_light && j < base->view->n_lights; j++)
-      add_light(world, &hit, j, lanes, sum, bad);
+      add_light(world, sight, &hit, j, lanes, sum, bad);
     if (base->view->delivery == 3 && !is_last)
       scatter(world, &hit, d, rays, at, m_but(lanes, *bad), mirrored, refracted, bad);
   }
   for (int k = 0; k < 3; k++) color[k] = vi_select(lanes, sum[k], color[k]);
 }
 
-static __attribute__((noinline)) void trace_vector(const SWORLD *world, BATCH *batch,
-                                                   const STREAM *rays, int at, int64_t depth,
-                                                   COLORS *out, CHILD *mirrored,
-                                                   CHILD *refracted) {
-  const WORLD *base = world->base;
-  const IV3 *back = &base->background;
-  MASK lanes = living_lanes(batch, rays, at), bad;
-  if (!m_any(lanes)) {
-    for (int k = 0; k < 6; k++) l_store(out->channel[k] + at, l_all(0));
-    return;
-  }
-  VI o[3], d[3];
+static inline void load_rays(const STREAM *rays, int at, VI o[3], VI d[3]) {
   for (int k = 0; k < 3; k++) {
     o[k] = vi(l_load(rays->origin[k] + at), l_load(rays->origin[3 + k] + at));
     d[k] = vi(l_load(rays->direction[k] + at), l_load(rays->direction[3 + k] + at));
   }
+}
+
+/* What rays hit. Leaves in `lanes` those in which that is certain, and adds the others to `bad`. */
+ALWAYS_INLINE NEAREST find_hits(const SWORLD *world, SIGHT *sight, const VI o[3], const VI d[3],
+                                int64_t depth, MASK *lanes, MASK *bad) {
   MIDDLE q;
-  bad = m_but(lanes, middle_of(o, d, &q));
-  lanes = m_but(lanes, bad);
   MASK doubt;
-  NEAREST nearest = nearest_of(world, o, d, &q, depth == 0, lanes, &doubt);
-  bad = m_or(bad, doubt);
-  lanes = m_but(lanes, bad);
+  *bad = m_or(*bad, m_but(*lanes, middle_of(o, d, &q)));
+  *lanes = m_but(*lanes, *bad);
+  NEAREST nearest = nearest_of(world, sight->targets, o, d, &q, depth == 0, *lanes, &doubt);
+  *bad = m_or(*bad, doubt);
+  *lanes = m_but(*lanes, doubt);
+  if (sight->culls)
+    note_hits(sight, &q, &nearest, m_but(*lanes, i_equal(nearest.object, i_all(-1))));
+  return nearest;
+}
+
+/* The light of all hits of a vector, solid by solid. */
+ALWAYS_INLINE void shade_hits(const SWORLD *world, SIGHT *sight, const STREAM *rays, int at,
+                              int is_last, const VI o[3], const VI d[3], const NEAREST *nearest,
+                              MASK lanes, COLORS *out, CHILD *mirrored, CHILD *refracted,
+                              MASK *bad) {
+  const IV3 *back = &world->base->background;
   VI color[3] = {vi_from(back->x), vi_from(back->y), vi_from(back->z)};
   VS3 d_signed = vs3_of(d);
   LANE_ID objects[N_LANES];
-  i_store(objects, nearest.object);
-  unsigned left = m_bits(m_but(lanes, i_equal(nearest.object, i_all(-1))));
+  i_store(objects, nearest->object);
+  unsigned left = m_bits(m_but(lanes, i_equal(nearest->object, i_all(-1))));
   while (left) {
     LANE_ID index = objects[__builtin_ctz(left)];
-    MASK group = m_and(m_from_bits(left), i_equal(nearest.object, i_all(index)));
+    MASK group = m_and(m_from_bits(left), i_equal(nearest->object, i_all(index)));
     SOLID own;
-    shade(world, rays, at, depth >= base->frame->max_depth, o, d, &d_signed, &nearest,
-          solid_at(world, (size_t)index, &own), group, color, mirrored, refracted, &bad);
+    shade(world, sight, rays, at, is_last, o, d, &d_signed, nearest,
+          solid_at(world, (size_t)index, &own), group, color, mirrored, refracted, bad);
     left &= ~m_bits(group);
   }
   for (int k = 0; k < 3; k++) {
     l_store(out->channel[k] + at, color[k].n);
     l_store(out->channel[3 + k] + at, color[k].h);
   }
+}
+
+static void clear_colors(COLORS *out, int at) {
+  for (int k = 0; k < 6; k++) l_store(out->channel[k] + at, l_all(0));
+}
+
+/* The next two are not inlined, so that a level of the recursion does not hold what they need. */
+NOT_INLINE void trace_vector(const SWORLD *world, BATCH *batch, const STREAM *rays, int at,
+                             int64_t depth, COLORS *out, CHILD *mirrored, CHILD *refracted) {
+  SIGHT everything;
+  everything.culls = 0;
+  everything.targets = ~UINT64_C(0);
+  MASK lanes = living_lanes(batch, rays, at), bad = m_none();
+  if (!m_any(lanes)) {
+    clear_colors(out, at);
+    return;
+  }
+  VI o[3], d[3];
+  load_rays(rays, at, o, d);
+  NEAREST nearest = find_hits(world, &everything, o, d, depth, &lanes, &bad);
+  shade_hits(world, &everything, rays, at, depth >= world->base->frame->max_depth, o, d, &nearest,
+             lanes, out, mirrored, refracted, &bad);
   leave_open(batch, rays, at, bad);
+}
+
+/* First what all of the rays hit: then what cannot stand before a light is known for all. */
+NOT_INLINE void trace_in_sight(const SWORLD *world, BATCH *batch, const STREAM *rays,
+                               int64_t depth, COLORS *out, CHILD *mirrored, CHILD *refracted) {
+  enum { N_VECTORS = ROOM / N_LANES };
+  SIGHT sight;
+  NEAREST nearest[N_VECTORS];
+  MASK lanes[N_VECTORS];
+  VI o[3], d[3];
+  look(world, rays, &sight);
+  for (int at = 0; at < rays->n; at += N_LANES) {
+    int v = at / N_LANES;
+    MASK bad = m_none();
+    lanes[v] = living_lanes(batch, rays, at);
+    if (!m_any(lanes[v])) continue;
+    load_rays(rays, at, o, d);
+    nearest[v] = find_hits(world, &sight, o, d, depth, &lanes[v], &bad);
+    leave_open(batch, rays, at, bad);
+  }
+  for (int at = 0; at < rays->n; at += N_LANES) {
+    int v = at / N_LANES;
+    MASK bad = m_none();
+    if (!m_any(lanes[v])) {
+      clear_colors(out, at);
+      continue;
+    }
+    load_rays(rays, at, o, d);
+    shade_hits(world, &sight, rays, at, depth >= world->base->frame->max_depth, o, d, nearest + v,
+               lanes[v], out, mirrored, refracted, &bad);
+    leave_open(batch, rays, at, bad);
+  }
 }
 
 /* Adds what the rays of a child stream returned to the rays that they came from. */
@@ -131,6 +196,7 @@ static void trace_stream(const SWORLD *world, BATCH *batch, const STREAM *rays, 
                          COLORS *out) {
   CHILD mirrored, refracted;
   COLORS colors;
+  int culls = world->n_solids >= FEWEST_CULLED && world->n_solids <= CULLED_SOLIDS;
   mirrored.rays.n = mirrored.n_records = refracted.rays.n = refracted.n_records = 0;
   if (depth > DEEPEST || atomic_load_explicit(batch->limits->stop, memory_order_relaxed)) {
     memset(out, 0, sizeof *out);
@@ -138,8 +204,11 @@ static void trace_stream(const SWORLD *world, BATCH *batch, const STREAM *rays, 
     batch->is_any_open = 1;
     return;
   }
-  for (int at = 0; at < rays->n; at += N_LANES)
-    trace_vector(world, batch, rays, at, depth, out, &mirrored, &refracted);
+  if (culls)
+    trace_in_sight(world, batch, rays, depth, out, &mirrored, &refracted);
+  else
+    for (int at = 0; at < rays->n; at += N_LANES)
+      trace_vector(world, batch, rays, at, depth, out, &mirrored, &refracted);
   if (mirrored.rays.n > 0) {
     trace_stream(world, batch, &mirrored.rays, depth + 1, &colors);
     add_child(&mirrored, &colors, out);
@@ -150,79 +219,20 @@ static void trace_stream(const SWORLD *world, BATCH *batch, const STREAM *rays, 
   }
 }
 
-/* ---- Primary rays ---- */
-
-static void primary_vector(const SWORLD *world, const double *row, const double *column,
-                           STREAM *rays, int at) {
-  const WORLD *base = world->base;
-  const ct_scene_view *view = base->view;
-  const IV basis[3][3] = {{base->u.x, base->v.x, base->w.x},
-                          {base->u.y, base->v.y, base->w.y},
-                          {base->u.z, base->v.z, base->w.z}};
-  double size = view->pixel_size, distance = view->screen_distance;
-  /* Halves of integers: exact. */
-  LANES across = l_load(column) - (double)view->h_res / 2 + 0.5;
-  LANES down = l_load(row) - (double)view->v_res / 2 + 0.5;
-  VI x = vi(-across * size, across * size), y = vi(down * size, -down * size);
-  VI z = vi(l_all(distance), l_all(-distance));
-  VI q = vi_add(vi_add(vi_square(x), vi_square(y)), vi_square(z));
-  LENGTH length = length_of(q);
-  VI direction[3], origin[3];
-  for (int k = 0; k < 3; k++) {
-    const IV *b = basis[k];
-    VI way = vi_add(vi_add(vi_mul(vi_from(b[0]), x), vi_mul(vi_from(b[1]), y)),
-                    vi_mul(vi_from(b[2]), z));
-    direction[k] = vi_by_positive(length.inverse, way);
-    origin[k] = vi(l_all(-view->eye[k]), l_all(view->eye[k]));
-  }
-  if (base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) {
-    IV near = i_over_positive(i_from(SET_MITSUBA_NEAR), i_from(distance));
-    VI step = vi_of_positives(vi_from(near), length.length);
-    for (int k = 0; k < 3; k++)
-      origin[k] = vi_add(origin[k], vi_by_positive(step, direction[k]));
-  }
-  for (int k = 0; k < 3; k++) {
-    l_store(rays->origin[k] + at, origin[k].n);
-    l_store(rays->origin[3 + k] + at, origin[k].h);
-    l_store(rays->direction[k] + at, direction[k].n);
-    l_store(rays->direction[3 + k] + at, direction[k].h);
-  }
-}
-
 static void SET_FN(batch)(const void *opaque, const int64_t *pixels, int n,
                           const ct_set_limits *limits, ct_set_batch *out) {
   const SWORLD *world = opaque;
-  const ct_scene_view *view = world->base->view;
-  BATCH batch;
   STREAM rays;
   COLORS colors;
-  const ct_medium *medium = world->base->frame->eye_medium;
   int64_t depth = world->base->frame->max_depth;
-  double row[ROOM], column[ROOM];
-  rays.n = n;
+  BATCH batch; /* its counts are of use where a pixel may send more rays than it is allowed */
   batch.limits = limits;
   batch.open = out->open;
   batch.is_any_open = 0;
   batch.counts = depth > 60 || limits->n_rays < UINT64_C(2) << depth;
   if (batch.counts) memset(batch.n_rays, 0, sizeof batch.n_rays);
-  int64_t last = -2, of_row = 0, of_column = 0; /* of the pixel `last` */
-  for (int i = 0; i < ROOM; i++) {
-    int64_t pixel = pixels[i < n ? i : n - 1];
-    if (pixel == last + 1 && of_column + 1 < view->h_res) {
-      of_column++;
-    } else if (pixel != last) { /* most follow one another: a division takes long */
-      of_row = pixel / view->h_res;
-      of_column = pixel % view->h_res;
-    }
-    last = pixel;
-    row[i] = (double)of_row;
-    column[i] = (double)of_column;
-    rays.slot[i] = i < n ? i : n - 1;
-    rays.medium[i] = medium;
-  }
   memset(out->open, 0, sizeof out->open);
-  for (int at = 0; at < n; at += N_LANES)
-    primary_vector(world, row + at, column + at, &rays, at);
+  aim(world, pixels, n, &rays);
   trace_stream(world, &batch, &rays, 0, &colors);
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < n; i++) {

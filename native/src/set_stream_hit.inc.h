@@ -177,8 +177,8 @@ static inline void offer_plane(NEAREST *best, const VI o[3], const VI d[3], cons
   offer(best, index, possible, sure, l_blend(sure, n, zero), h, zero, zero);
 }
 
-/* `bad`: lanes in which the answer is not certain. */
-static inline NEAREST nearest_of(const SWORLD *world, const VI o[3], const VI d[3],
+/* Among the solids of `may` and the tree. `bad`: lanes in which the answer is not certain. */
+ALWAYS_INLINE NEAREST nearest_of(const SWORLD *world, uint64_t may, const VI o[3], const VI d[3],
                                  const MIDDLE *q, int is_primary, MASK lanes, MASK *bad) {
   LANES infinity = l_all((double)INFINITY);
   IDS none = i_all(-1);
@@ -186,6 +186,7 @@ static inline NEAREST nearest_of(const SWORLD *world, const VI o[3], const VI d[
                   .rival = infinity};
   MASK asked = lanes;
   for (size_t k = 0; k < world->n_solids; k++) {
+    if (k < CULLED_SOLIDS && !(may >> k & 1)) continue;
     const SOLID *s = &world->solids[k];
     size_t i = world->bvh ? s->object : k;
     if (!s->is_plane)

@@ -102,8 +102,8 @@ static inline MASK middle_to_light(const double *light, const VI way[3], const L
   return complete_middle(q);
 }
 
-static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, MASK lanes, VI sum[3],
-                             MASK *bad) {
+NOT_INLINE void add_light(const SWORLD *world, SIGHT *sight, const HITS *hit, size_t j, MASK lanes,
+                          VI sum[3], MASK *bad) {
   const WORLD *base = world->base;
   size_t object = hit->solid->object;
   const double *m = base->view->material + object * CT_MATERIAL_COLUMNS;
@@ -171,7 +171,8 @@ static inline void add_light(const SWORLD *world, const HITS *hit, size_t j, MAS
     MASK apart = m_but(needed, l_at_most(limit.h, zero));
     known = m_and(known, l_less(limit.n, zero));
     *bad = m_or(*bad, m_but(apart, known));
-    SHADOW shadow = shadow_on(world, &q, j, limit, hit->solid, other, m_but(apart, *bad));
+    SHADOW shadow = shadow_on(world, blockers_of(world, sight, j), &q, j, limit, hit->solid, other,
+                              m_but(apart, *bad));
     MASK doubtful = m_but(shadow.possible, shadow.sure);
     LANES most = l_greater(c[0].h, l_greater(c[1].h, c[2].h));
     MASK negligible = l_at_most(most, l_all(SET_NEGLIGIBLE));

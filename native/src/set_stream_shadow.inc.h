@@ -94,9 +94,10 @@ static __attribute__((noinline)) void add_tree_shadows(const SWORLD *world, cons
   }
 }
 
-/* What may stand on the rays q before the light, whose distance is `limit`. */
-static inline SHADOW shadow_on(const SWORLD *world, const MIDDLE *q, size_t light, VI limit,
-                               const SOLID *own, VI other, MASK lanes) {
+/* What of the solids of `may` and the tree may stand on the rays q before the light, whose distance
+ * is `limit`. */
+static inline SHADOW shadow_on(const SWORLD *world, uint64_t may, const MIDDLE *q, size_t light,
+                               VI limit, const SOLID *own, VI other, MASK lanes) {
   const ct_frame *frame = world->base->frame;
   double far = frame->options->far;
   LANES least = l_all(frame->options->shadow_min);
@@ -109,6 +110,7 @@ static inline SHADOW shadow_on(const SWORLD *world, const MIDDLE *q, size_t ligh
     add_tree_shadows(world, q, is_own_there ? own : NULL, least, limit, lanes, &shadow);
   }
   for (size_t i = 0; i < world->n_solids; i++) {
+    if (i < CULLED_SOLIDS && !(may >> i & 1)) continue;
     const SOLID *s = &world->solids[i];
     MASK left = m_but(lanes, shadow.sure);
     if (!m_any(left)) break;

@@ -11,21 +11,30 @@ typedef struct SET_FN(solid) {
   IV mirror[3][3];    /* of a plane: I - 2 n n'/|n|^2 */
 } SOLID;
 
+/* With more solids than this, or more lights, none is passed over for where it is; with fewer,
+ * asking costs more than it saves. */
+enum { FEWEST_CULLED = 6, CULLED_SOLIDS = 64, CULLED_LIGHTS = 32 };
+
 typedef struct SET_FN(stream_world) {
   WORLD *base;
   const ct_bvh *bvh; /* NULL: every solid is asked */
   /* Without those equal to an earlier one: it hides them. With a tree, those apart from it. */
   SOLID *solids;
   size_t n_solids;
+  double *columns[5]; /* centre, r (infinite: a plane) and |c|; room for a vector beyond the last */
 } SWORLD;
+
+/* Where the widest vectors are read and written in one go. */
+#define ALIGNED _Alignas(64)
 
 /* Rays as arrays: (-lo, hi) of three components each. Room for a vector beyond the last. */
 enum { ROOM = CT_SET_STREAM + N_LANES };
 typedef struct SET_FN(stream) {
+  ALIGNED double origin[6][ROOM];
+  ALIGNED double direction[6][ROOM];
+  double slot[ROOM];             /* which pixel of the batch */
   int n;
-  double origin[6][ROOM], direction[6][ROOM];
-  double slot[ROOM];              /* which pixel of the batch */
-  const ct_medium *medium[ROOM];  /* but for nesting=relative */
+  const ct_medium *medium[ROOM]; /* but for nesting=relative */
 } STREAM;
 
 /* What all rays of a batch share. */
@@ -39,7 +48,7 @@ typedef struct SET_FN(batch) {
 
 static void leave_open(BATCH *batch, const STREAM *rays, int at, MASK lanes) {
   for (unsigned bits = m_bits(lanes); bits; bits &= bits - 1)
-    batch->open[(int)rays->slot[at + __builtin_ctz(bits)]] = batch->is_any_open = 1;
+    batch->is_any_open = batch->open[(int)rays->slot[at + __builtin_ctz(bits)]] = 1;
 }
 
 static void set_mirror(const double *n, IV mirror[3][3]) {
@@ -74,7 +83,23 @@ static void SET_FN(close_stream)(void *opaque) {
   SWORLD *world = opaque;
   if (world->base) SET_FN(close)(world->base);
   free(world->solids);
+  free(world->columns[0]);
   free(world);
+}
+
+/* The numbers of solids by column, to be compared side by side. */
+static int lay_out(SWORLD *world) {
+  size_t room = world->n_solids + N_LANES;
+  double *columns = calloc(5 * room, sizeof *columns);
+  if (!columns) return 0;
+  for (size_t c = 0; c < 5; c++) world->columns[c] = columns + c * room;
+  for (size_t i = 0; i < world->n_solids; i++) {
+    const SOLID *s = &world->solids[i];
+    for (int c = 0; c < 3; c++) world->columns[c][i] = s->g[c];
+    world->columns[3][i] = s->is_plane ? (double)INFINITY : s->g[3];
+    world->columns[4][i] = s->size;
+  }
+  return 1;
 }
 
 static ct_status SET_FN(open_stream)(const ct_frame *frame, void **out) {
@@ -97,6 +122,10 @@ static ct_status SET_FN(open_stream)(const ct_frame *frame, void **out) {
   for (size_t k = 0; k < n; k++) {
     size_t i = bvh ? bvh->apart[k] : k;
     if (!world->base->is_twin[i]) world->solids[world->n_solids++] = solid_from(world->base, i);
+  }
+  if (!lay_out(world)) {
+    SET_FN(close_stream)(world);
+    return CT_ERR_MEMORY;
   }
   *out = world;
   return CT_OK;
