@@ -90,13 +90,15 @@ def intersect(
     directions: Any,
     passes: int,
     outputs: dict[str, Any],
+    tree: Any = None,
     /,
 ) -> None:
     """Find the nearest hit of n rays, by the code that renders, in this thread.
 
     `origins` and `directions` are (3, n) float64, directions of length 1; `outputs` are t (n,)
     float64, infinite where nothing is hit, and object (n,) int64, then -1. Each block of a few
-    hundred rays is traced `passes` times. Raises as `render`.
+    hundred rays is traced `passes` times. `tree` is what `tree` made of the same arrays; without it
+    one is built wherever `render` would. Raises as `render`.
     """
 
 def peak_flops(instructions: str, seconds: float, /) -> float:

@@ -52,6 +52,8 @@ int call_open_outputs(call *c, PyObject *dict, const named_output *table, size_t
  * (*pixels is then NULL and nothing is held). */
 int call_open_pixels(const call *c, PyObject *object, Py_buffer *list, const int64_t **pixels,
                      uint64_t *n_pixels);
+/* What core_tree made, or None: the call then builds its own where it takes one. */
+int call_take_tree(call *c, PyObject *tree);
 void call_release(call *c);
 int call_progress(void *user, uint64_t done, uint64_t total);
 int call_raise(ct_status status);

@@ -16,7 +16,7 @@ static int open_columns(call *c, PyObject *array, Py_ssize_t n, const char *what
 static const named_output table[] = {{"t", 'd', 1, 0}, {"object", 'q', 1, sizeof(void *)}};
 
 PyObject *core_intersect(PyObject *module, PyObject *arguments) {
-  PyObject *scene, *settings, *origin, *direction, *arrays, *result = NULL;
+  PyObject *scene, *settings, *origin, *direction, *arrays, *tree = Py_None, *result = NULL;
   Py_ssize_t n, passes;
   call c = {0};
   ct_rays rays = {0};
@@ -25,10 +25,14 @@ PyObject *core_intersect(PyObject *module, PyObject *arguments) {
     int64_t *object;
   } out = {0};
   (void)module;
-  if (!PyArg_ParseTuple(arguments, "OO!nOOnO!", &scene, &PyList_Type, &settings, &n, &origin,
-                        &direction, &passes, &PyDict_Type, &arrays) ||
+  if (!PyArg_ParseTuple(arguments, "OO!nOOnO!|O", &scene, &PyList_Type, &settings, &n, &origin,
+                        &direction, &passes, &PyDict_Type, &arrays, &tree) ||
       call_open(&c, scene, settings, Py_None) != 0)
     return NULL;
+  if (call_take_tree(&c, tree) != 0) {
+    call_release(&c);
+    return NULL;
+  }
   if (n < 0 || passes < 1) {
     PyErr_SetString(PyExc_ValueError, "expected a number of rays and at least one pass");
   } else if (open_columns(&c, origin, n, "origin", rays.origin) == 0 &&

@@ -29,15 +29,8 @@ PyObject *core_render(PyObject *module, PyObject *arguments) {
                         &arrays, &progress, &tree, &squares, &side) ||
       call_open(&c, scene, settings, progress) != 0)
     return NULL;
-  if (tree != Py_None) {
-    const ct_tree *built = PyCapsule_GetPointer(tree, "ct_tree");
-    if (!built) {
-      call_release(&c);
-      return NULL;
-    }
-    ct_options_set_tree(c.options, built);
-  }
-  if (call_open_pixels(&c, squares, &list, &cells, &n_cells) != 0) {
+  if (call_take_tree(&c, tree) != 0 ||
+      call_open_pixels(&c, squares, &list, &cells, &n_cells) != 0) {
     call_release(&c);
     return NULL;
   }
@@ -62,6 +55,14 @@ PyObject *core_render(PyObject *module, PyObject *arguments) {
   if (cells) PyBuffer_Release(&list);
   call_release(&c);
   return result;
+}
+
+int call_take_tree(call *c, PyObject *tree) {
+  if (tree == Py_None) return 0;
+  const ct_tree *built = PyCapsule_GetPointer(tree, "ct_tree");
+  if (!built) return -1;
+  ct_options_set_tree(c->options, built);
+  return 0;
 }
 
 static void free_tree(PyObject *capsule) {

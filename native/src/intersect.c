@@ -18,6 +18,7 @@ ct_status ct_intersect(const ct_scene_view *view, const ct_options *options, con
   ct_frame frame;
   void *world = NULL;
   ct_status status = ct_frame_open(&frame, view, options);
+  if (!status) status = ct_frame_sort(&frame, NULL, NULL);
   if (!status) {
     status = stream ? stream->open(&frame, &world) : kernel->open(&frame, &world);
     if (!status && stream) {

@@ -64,6 +64,22 @@ def test_many_spheres_are_found_through_their_tree() -> None:
         assert np.array_equal(found[0], t) and np.array_equal(found[1], hit)
 
 
+def test_a_tree_that_was_built_before_is_what_is_asked() -> None:
+    """Spheres that have moved since then are not found where they are now: the tree was used."""
+    scene = Scene.build(
+        delivery=1, v_res=2, h_res=2, pixel_size=0.1, screen_distance=1, eye=(0, -9, 0),
+        target=(0, 0, 0), up=(0, 0, 1), background=(0, 0, 0),
+        objects=[sphere((9, 9, 9), (x, 0, 0), 0.2) for x in np.linspace(-4, 4, 400)],
+    )  # fmt: skip
+    scene.geometry.setflags(write=True)
+    tree = _core.tree(scene.native_view(), None)
+    scene.geometry[:, 2] += 100
+    origins = np.tile(scene.eye[:, None], 16) + [[0.0], [0.0], [100.0]]
+    ways = np.tile([[0.0], [1.0], [0.0]], 16)
+    assert (nearest(scene, origins, ways)[1] >= 0).all()
+    assert (nearest(scene, origins, ways, tree=tree)[1] < 0).all()
+
+
 def test_primary_rays_hit_what_the_picture_shows(random_scene: Generator) -> None:
     """Through the pixels' centres the hits are those of the rendered picture."""
     scene = random_scene(1)
