@@ -92,8 +92,10 @@ def intersect(
     outputs: dict[str, Any],
     tree: Any = None,
     /,
-) -> None:
+) -> float:
     """Find the nearest hit of n rays, by the code that renders, in this thread.
+
+    Returns the processor time in seconds that they took, without what is done once for a scene.
 
     `origins` and `directions` are (3, n) float64, directions of length 1; `outputs` are t (n,)
     float64, infinite where nothing is hit, and object (n,) int64, then -1. Each block of a few

@@ -188,8 +188,8 @@ static PyMethodDef methods[] = {
     {"tree", core_tree, METH_VARARGS,
      "tree(scene tuple, progress) -> its tree, for render; see _core.pyi"},
     {"intersect", core_intersect, METH_VARARGS,
-     "intersect(scene tuple, settings, n, origins, directions, passes, outputs, tree=None); see "
-     "_core.pyi"},
+     "intersect(scene tuple, settings, n, origins, directions, passes, outputs, tree=None) -> "
+     "seconds; see _core.pyi"},
     {"peak_flops", core_peak_flops, METH_VARARGS, "peak_flops(instructions, seconds) -> float"},
     {"call_each", core_call_each, METH_VARARGS,
      "call_each(function, (a, b, c, d), which, stride, count); see _core.pyi"},

@@ -18,6 +18,7 @@ static const named_output table[] = {{"t", 'd', 1, 0}, {"object", 'q', 1, sizeof
 PyObject *core_intersect(PyObject *module, PyObject *arguments) {
   PyObject *scene, *settings, *origin, *direction, *arrays, *tree = Py_None, *result = NULL;
   Py_ssize_t n, passes;
+  double seconds = 0;
   call c = {0};
   ct_rays rays = {0};
   struct {
@@ -41,9 +42,9 @@ PyObject *core_intersect(PyObject *module, PyObject *arguments) {
     rays.n = (size_t)n;
     c.thread = PyEval_SaveThread();
     ct_status status = ct_intersect(&c.scene.view, c.options, &rays, (size_t)passes, out.t,
-                                    out.object);
+                                    out.object, &seconds);
     PyEval_RestoreThread(c.thread);
-    if (call_raise(status) == 0) result = Py_NewRef(Py_None);
+    if (call_raise(status) == 0) result = PyFloat_FromDouble(seconds);
   }
   call_release(&c);
   return result;

@@ -226,9 +226,11 @@ typedef struct ct_rays {
  * the calling thread: the distance (infinity: none) and the object (-1). Blocks of a few hundred
  * rays are traced `passes` times each: with more than one, memory counts for less. Two options are
  * heeded besides those of ct_render's hits: instructions, and CT_ERR_OPTION for a precision other
- * than f64. */
+ * than f64. *seconds, unless it is NULL, becomes the processor time that the rays took, without
+ * what is done once for a scene. */
 CT_API ct_status ct_intersect(const ct_scene_view *view, const ct_options *options,
-                              const ct_rays *rays, size_t passes, double *t_world, int64_t *object);
+                              const ct_rays *rays, size_t passes, double *t_world, int64_t *object,
+                              double *seconds);
 
 /* The most products and sums of doubles a second that the vectors of the options' instruction set
  * have done here, each a rounding of its own (no fused ones), in thousandths of `seconds` of

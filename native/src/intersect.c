@@ -6,8 +6,14 @@
 #include "machine.h"
 #include "stream.h"
 
+static double cpu_seconds(void) {
+  struct timespec now;
+  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) != 0) return 0;
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 ct_status ct_intersect(const ct_scene_view *view, const ct_options *options, const ct_rays *rays,
-                       size_t passes, double *t_world, int64_t *object) {
+                       size_t passes, double *t_world, int64_t *object, double *seconds) {
   if (!view || !options || !rays || !t_world || !object || passes == 0) return CT_ERR_ARGUMENT;
   if (strcmp(ct_precision_name(options->precision), "f64") != 0 ||
       options->rounding != CT_ROUND_NEAREST)
@@ -21,8 +27,10 @@ ct_status ct_intersect(const ct_scene_view *view, const ct_options *options, con
   if (!status) status = ct_frame_sort(&frame, NULL, NULL);
   if (!status) {
     status = stream ? stream->open(&frame, &world) : kernel->open(&frame, &world);
+    double started = cpu_seconds();
     if (!status && stream) {
       stream->intersect(world, rays, passes, t_world, object);
+      if (seconds) *seconds = cpu_seconds() - started;
       stream->close(world);
     } else if (!status) {
       for (size_t pass = 0; pass < passes; pass++)
@@ -34,18 +42,13 @@ ct_status ct_intersect(const ct_scene_view *view, const ct_options *options, con
           }
           kernel->nearest(world, origin, direction, t_world + k, object + k);
         }
+      if (seconds) *seconds = cpu_seconds() - started;
       kernel->close(world);
     }
     ct_frame_close(&frame);
   }
   ct_machine_leave(caller);
   return status;
-}
-
-static double cpu_seconds(void) {
-  struct timespec now;
-  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) != 0) return 0;
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 double ct_peak_flops(const ct_options *options, double seconds) {

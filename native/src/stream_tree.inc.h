@@ -23,12 +23,26 @@ typedef struct FN(list) {
 /* Distances of boxes are rounded up: a hit at t is in none that begins beyond this times t. */
 #define AHEAD ((REAL)1.000001)
 
-/* Spheres of leaves from `at` on in lanes, of which the first n are wanted. */
-INLINE ROOTS leaf_roots(const STAGE *stage, size_t at, size_t n, VECS origin, VECS direction,
-                        LANES t_min) {
-  LANES radius = l_load(stage->radius + at);
-  ROOTS roots = sphere_roots_at(vs_load(&stage->center, at), radius * radius, origin, direction,
-                                t_min, m_first(n));
+/* Spheres of a leaf, in lanes. */
+typedef struct FN(leaf_part) {
+  VECS center;
+  LANES radius;
+  MASK wanted;
+} FN(leaf_part);
+#define LEAF_PART FN(leaf_part)
+
+/* From number `at` on of the leaf of n spheres whose first has that number in the tree. */
+INLINE LEAF_PART leaf_part(const STAGE *stage, size_t first, size_t n, size_t at) {
+  const REAL *leaf = stage->leaf + 4 * first + at;
+  return (LEAF_PART){{l_load(leaf), l_load(leaf + n), l_load(leaf + 2 * n)},
+                     l_load(leaf + 3 * n), m_first(n - at)};
+}
+
+INLINE ROOTS leaf_roots(const STAGE *stage, size_t first, size_t n, size_t at, VECS origin,
+                        VECS direction, LANES t_min) {
+  LEAF_PART part = leaf_part(stage, first, n, at);
+  ROOTS roots = sphere_roots_at(part.center, part.radius * part.radius, origin, direction, t_min,
+                                part.wanted);
   if (stage->world->has_far)
     roots.valid = m_but(roots.valid, l_less(l_all(stage->world->far), roots.t));
   return roots;
@@ -52,7 +66,7 @@ static void walk_to_nearest(const STAGE *stage, VEC origin, VEC direction, REAL 
   start_walk(stage, origin, direction, &walk);
   while (ct_walk_next_on_ray(&walk, ct_walk_before(to_double(*t)), &first, &n))
     for (size_t at = 0; at < n; at += N_LANES) {
-      ROOTS roots = leaf_roots(stage, first + at, n - at, o, d, zero);
+      ROOTS roots = leaf_roots(stage, first, n, at, o, d, zero);
       /* Nothing is hit yet where t is no number. */
       MASK nearer = m_but(roots.valid, l_less(l_all(*t), roots.t));
       unsigned left = m_bits(nearer);
@@ -79,7 +93,7 @@ static int walk_to_blocker(const STAGE *stage, VEC origin, VEC direction, REAL l
   start_walk(stage, origin, direction, &walk);
   while (ct_walk_next_on_ray(&walk, before, &first, &n))
     for (size_t at = 0; at < n; at += N_LANES) {
-      ROOTS roots = leaf_roots(stage, first + at, n - at, o, d, t_min);
+      ROOTS roots = leaf_roots(stage, first, n, at, o, d, t_min);
       if (m_any(m_and(roots.valid, l_less(roots.t, l_all(limit))))) return 1;
     }
   return 0;
@@ -110,8 +124,8 @@ INLINE MASK undecided(const HITS *hits, REAL from, MASK wanted) {
   return m_but(wanted, l_less(hits->t * l_all(AHEAD), l_all(from)));
 }
 
-/* As nearest_in_columns. */
-INLINE HITS nearest_in_tree(const STAGE *stage, const LIST *list, VECS origin, VECS direction,
+/* As nearest_in_columns. A list that leaves most rays of a vector undecided is of no more use. */
+INLINE HITS nearest_in_tree(const STAGE *stage, LIST *list, VECS origin, VECS direction,
                             int primary, MASK wanted) {
   HITS hits = {l_all((REAL)NAN), i_all(-1)};
   const ct_bvh *bvh = stage->bvh;
@@ -122,7 +136,10 @@ INLINE HITS nearest_in_tree(const STAGE *stage, const LIST *list, VECS origin, V
     offer_shape(stage, list->shape + k, list->object[k], origin, direction, 0, wanted, &hits);
   }
   if (!(list->beyond < (REAL)INFINITY)) return hits;
-  wanted = undecided(&hits, list->beyond, wanted);
+  MASK left_over = undecided(&hits, list->beyond, wanted);
+  if (2 * __builtin_popcount(m_bits(left_over)) > __builtin_popcount(m_bits(wanted)))
+    list->n = 0, list->beyond = 0;
+  wanted = left_over;
   if (!m_any(wanted)) return hits;
   REAL o[3][N_LANES], d[3][N_LANES], t[N_LANES];
   LANE_ID object[N_LANES];
@@ -176,9 +193,9 @@ INLINE MASK blocked_in_tree(const STAGE *stage, const LIST *list, size_t j, VECS
 static int list_leaf(const STAGE *stage, const CULLER *culler, size_t first, unsigned n, float from,
                      LIST *list) {
   for (size_t at = 0; at < n; at += N_LANES) {
-    MASK clear = cleared(culler, vs_load(&stage->center, first + at),
-                         l_load(stage->radius + first + at));
-    for (unsigned left = m_bits(m_but(m_first(n - at), clear)); left; left &= left - 1) {
+    LEAF_PART part = leaf_part(stage, first, n, at);
+    MASK clear = cleared(culler, part.center, part.radius);
+    for (unsigned left = m_bits(m_but(part.wanted, clear)); left; left &= left - 1) {
       uint32_t i = stage->bvh->object[first + at + (unsigned)__builtin_ctz(left)];
       if (list->n == LISTED) return 0;
       read_shape(stage->world, i, list->shape + list->n);

@@ -32,8 +32,11 @@ typedef struct FN(stage) {
   SHAPE *shape;     /* of every object; with a tree, of those apart from it */
   SURFACE *surface; /* of every object */
   LAMP *lamp;
-  COLUMNS center; /* of every sphere, side by side; with a tree, in the order of its leaves */
-  REAL *radius;   /* of every sphere, infinite for a plane */
+  COLUMNS center; /* of every sphere, side by side; without a tree alone */
+  REAL *radius;   /* of every sphere, infinite for a plane; without a tree alone */
+  /* With a tree: four numbers a sphere, and the n of a leaf together, as what one miss of a cache
+   * brings: n x, n y, n z, n radii. */
+  REAL *leaf;
   uint64_t *all;  /* a bit for every object; without a tree alone */
   VEC background, missed; /* by a primary ray, by any other */
   VEC exhausted;
@@ -86,9 +89,30 @@ static void read_shape(const WORLD *world, size_t i, SHAPE *s) {
   s->normal = s->is_plane ? world->plane_normal[world->frame->plane_slot[i]] : v_zero();
 }
 
-/* Makes room for the spheres' columns, in whole vectors. */
-static int open_columns(STAGE *stage) {
-  size_t room = (stage->bvh ? stage->bvh->n_objects : stage->n_objects) + 2 * N_LANES;
+/* The spheres of the tree, leaf by leaf. Room for a vector beyond the last. */
+static int read_leaves(STAGE *stage) {
+  const ct_bvh *bvh = stage->bvh;
+  stage->leaf = calloc(4 * bvh->n_objects + N_LANES, sizeof *stage->leaf);
+  if (!stage->leaf) return 0;
+  for (size_t node = 0; node < bvh->n_nodes; node++)
+    for (int j = 0; j < CT_BVH_WIDTH; j++) {
+      uint32_t child = bvh->nodes[node].child[j];
+      if (!(child & CT_BVH_IS_LEAF)) continue;
+      size_t first;
+      unsigned n;
+      ct_walk_leaf(child, &first, &n);
+      for (size_t k = 0; k < n; k++) {
+        const double *g =
+            stage->world->view->geometry + bvh->object[first + k] * CT_GEOMETRY_COLUMNS;
+        for (size_t c = 0; c < 4; c++) stage->leaf[4 * first + c * n + k] = from_double(g[c]);
+      }
+    }
+  return 1;
+}
+
+/* The spheres side by side, in whole vectors. */
+static int read_columns(STAGE *stage) {
+  size_t room = stage->n_objects + 2 * N_LANES;
   REAL *columns = calloc(4 * room, sizeof *columns);
   stage->all = malloc((stage->n_words + 1) * sizeof *stage->all);
   if (!columns || !stage->all) {
@@ -101,16 +125,15 @@ static int open_columns(STAGE *stage) {
   }
   stage->center = (COLUMNS){columns, columns + room, columns + 2 * room};
   stage->radius = columns + 3 * room;
+  for (size_t i = 0; i < stage->n_objects; i++) {
+    const double *g = stage->world->view->geometry + i * CT_GEOMETRY_COLUMNS;
+    int is_plane = stage->world->view->kind[i] == CT_PLANE;
+    stage->center.x[i] = from_double(g[0]);
+    stage->center.y[i] = from_double(g[1]);
+    stage->center.z[i] = from_double(g[2]);
+    stage->radius[i] = from_double(is_plane ? (double)INFINITY : g[3]);
+  }
   return 1;
-}
-
-static void read_columns(STAGE *stage, size_t at, size_t i) {
-  const double *g = stage->world->view->geometry + i * CT_GEOMETRY_COLUMNS;
-  int is_plane = stage->world->view->kind[i] == CT_PLANE;
-  stage->center.x[at] = from_double(g[0]);
-  stage->center.y[at] = from_double(g[1]);
-  stage->center.z[at] = from_double(g[2]);
-  stage->radius[at] = from_double(is_plane ? (double)INFINITY : g[3]);
 }
 
 /* What of the objects a ray meets. */
@@ -119,8 +142,6 @@ static void read_shapes(STAGE *stage) {
   size_t n = bvh ? bvh->n_apart : stage->n_objects;
   for (size_t k = 0; k < n; k++)
     read_shape(stage->world, bvh ? bvh->apart[k] : k, stage->shape + k);
-  n = bvh ? bvh->n_objects : stage->n_objects;
-  for (size_t k = 0; k < n; k++) read_columns(stage, k, bvh ? bvh->object[k] : k);
 }
 
 static void read_lamp(const WORLD *world, size_t j, LAMP *lamp) {
@@ -140,6 +161,7 @@ static void FN(close_stage)(void *opaque) {
   free(stage->surface);
   free(stage->lamp);
   free(stage->center.x);
+  free(stage->leaf);
   free(stage->all);
   free(stage);
 }
@@ -159,8 +181,8 @@ static ct_status FN(open_stage)(const ct_frame *frame, void **out) {
   stage->shape = malloc((n_shapes + 1) * sizeof *stage->shape);
   stage->surface = malloc((view->n_objects + 1) * sizeof *stage->surface);
   stage->lamp = malloc((view->n_lights + 1) * sizeof *stage->lamp);
-  int has_columns = open_columns(stage);
-  if (!status && (!stage->shape || !stage->surface || !stage->lamp || !has_columns))
+  if (!status && (!stage->shape || !stage->surface || !stage->lamp ||
+                  !(stage->bvh ? read_leaves(stage) : read_columns(stage))))
     status = CT_ERR_MEMORY;
   if (status) {
     FN(close_stage)(stage);

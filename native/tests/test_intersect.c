@@ -21,7 +21,7 @@ static double full[VALUES], pruned[VALUES];
 /* Arrays of exactly n items each, so that a sanitizer sees a step beyond. */
 static void check_rays(const ct_scene_view *view, const ct_options *options, size_t n) {
   double *origin = malloc((3 * n + 1) * sizeof *origin), *way = malloc((3 * n + 1) * sizeof *way);
-  double *t = malloc((n + 1) * sizeof *t), one;
+  double *t = malloc((n + 1) * sizeof *t), one, seconds = -1;
   int64_t *object = malloc((n + 1) * sizeof *object), alone;
   CHECK(origin && way && t && object);
   t[n] = -7;
@@ -37,12 +37,12 @@ static void check_rays(const ct_scene_view *view, const ct_options *options, siz
     way[2 * n + k] = rise;
   }
   ct_rays rays = {n, {origin, origin + n, origin + 2 * n}, {way, way + n, way + 2 * n}};
-  CHECK(ct_intersect(view, options, &rays, 2, t, object) == CT_OK);
-  CHECK(t[n] == -7 && object[n] == -7);
+  CHECK(ct_intersect(view, options, &rays, 2, t, object, &seconds) == CT_OK);
+  CHECK(t[n] == -7 && object[n] == -7 && seconds >= 0);
   for (size_t k = 0; k < n; k++) {
     ct_rays single = {1, {origin + k, origin + n + k, origin + 2 * n + k},
                       {way + k, way + n + k, way + 2 * n + k}};
-    CHECK(ct_intersect(view, options, &single, 1, &one, &alone) == CT_OK);
+    CHECK(ct_intersect(view, options, &single, 1, &one, &alone, NULL) == CT_OK);
     CHECK(alone == object[k] && memcmp(&one, t + k, sizeof one) == 0);
     CHECK(isinf(one) == (alone < 0));
   }
@@ -85,8 +85,8 @@ int main(void) {
   double number = 0;
   int64_t object = 0;
   ct_rays none = {0};
-  CHECK(ct_intersect(&view, options, &none, 1, &number, &object) == CT_ERR_OPTION);
-  CHECK(ct_intersect(&view, options, &none, 0, &number, &object) == CT_ERR_ARGUMENT);
+  CHECK(ct_intersect(&view, options, &none, 1, &number, &object, NULL) == CT_ERR_OPTION);
+  CHECK(ct_intersect(&view, options, &none, 0, &number, &object, NULL) == CT_ERR_ARGUMENT);
   CHECK(ct_peak_flops(NULL, 0) == 0);
   ct_options_free(options);
   ct_scene_free(scene);

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
@@ -28,7 +27,7 @@ def nearest(
     search: str = "auto",
     tree: Any = None,
 ) -> tuple[Array, NDArray[np.int64], float]:
-    """Return the distances (n,), objects (n,) and the thread's processor time in seconds.
+    """Return the distances (n,), objects (n,) and the processor time in seconds that rays took.
 
     `origins` and `directions` are (3, n), directions of length 1; where nothing is hit the distance
     is infinite and the object -1. Each block of rays is traced `passes` times. `tree` is what
@@ -38,11 +37,10 @@ def nearest(
     # Written to, so that no page is new while time is taken.
     t, hit = np.full(n, np.nan), np.full(n, -2, np.int64)
     view = scene.native_view()
-    started = time.thread_time()
     settings = [("instructions", instructions), ("search", search)]
-    _core.intersect(view, settings, n, origins, directions, passes, {"t": t, "object": hit},
-                    tree)  # fmt: skip
-    return t, hit, time.thread_time() - started
+    seconds = _core.intersect(view, settings, n, origins, directions, passes,
+                              {"t": t, "object": hit}, tree)  # fmt: skip
+    return t, hit, seconds
 
 
 def peak_flops(instructions: str, seconds: float = 0.2) -> float:
