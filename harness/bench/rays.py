@@ -17,11 +17,16 @@ Array = NDArray[np.float64]
 MOST_RAYS = 2**20
 #: How far along their way rays start from a surface (specification 3.3).
 _EPSILON = 1e-5
+#: Renderers trace a picture in tiles of about this side, so the rays come in their order.
+_TILE = 16
 
 
 @dataclass(frozen=True)
 class Rays:
-    """Rays of one kind: origins and directions of length 1, (3, n) each, in the picture's order."""
+    """Rays of one kind: origins and directions of length 1, (3, n) each, in the picture's order.
+
+    That is tile by tile, and by rows within.
+    """
 
     kind: str
     origins: Array
@@ -60,10 +65,16 @@ def _primary(scene: Scene) -> Rays:
     x = scene.pixel_size * (np.arange(scene.h_res) - scene.h_res / 2 + 0.5)
     y = -scene.pixel_size * (np.arange(scene.v_res) - scene.v_res / 2 + 0.5)
     across = x[None, :, None] * u + y[:, None, None] * v
-    ways = (across - scene.screen_distance * w).reshape(-1, 3).T
+    ways = (across - scene.screen_distance * w).reshape(-1, 3)[_by_tiles(scene)].T
     ways = np.ascontiguousarray(ways / np.linalg.norm(ways, axis=0))
     return Rays("primary", np.ascontiguousarray(np.broadcast_to(scene.eye[:, None], ways.shape)),
                 ways)  # fmt: skip
+
+
+def _by_tiles(scene: Scene) -> NDArray[np.intp]:
+    """Return the pixels' indices, row by row within each tile."""
+    row, column = np.divmod(np.arange(scene.v_res * scene.h_res), scene.h_res)
+    return np.lexsort((column, row, column // _TILE, row // _TILE))
 
 
 def _leaving(kind: str, points: Array, ways: Array) -> Rays:

@@ -11,13 +11,23 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from crosstrace.harness.bench.measure import Runs
+    from crosstrace.harness.bench.runs import Runs
 
 
 def rate(scene: str, one: Runs, n_rays: int) -> dict[str, Any]:
     """Rays of every kind a second of one thread's processor time, with all of their shading."""
     runs = [n_rays / seconds / 1e6 for seconds in one.values]
     return _row(f"{scene}: all rays, 1 thread", runs, [], "Mrays/s", one, n_rays=n_rays)
+
+
+def own(name: str, ours: Runs, unit: str) -> dict[str, Any]:
+    """What nothing else is held against."""
+    return _row(name, ours.values, [], unit, ours)
+
+
+def against(name: str, ours: Runs, theirs: Runs) -> dict[str, Any]:
+    """Processor time of one thread in seconds, of two of our own ways."""
+    return _row(name, ours.values, theirs.values, "s", ours, theirs)
 
 
 def threads(scene: str, one: Runs, two: Runs) -> dict[str, Any]:

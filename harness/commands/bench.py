@@ -10,10 +10,28 @@ import click
 from crosstrace.harness import console
 from crosstrace.harness.commands import options
 
+_MOST_SPHERES = 10**7
+
+
+def _as_numbers(
+    context: click.Context, parameter: click.Parameter, text: str | None
+) -> tuple[int, ...] | None:
+    if text is None:
+        return None
+    try:
+        numbers = [int(it) for it in text.split(",")]
+    except ValueError:
+        numbers = [-1]
+    if not all(0 <= n <= _MOST_SPHERES for n in numbers):
+        raise click.BadParameter(f"expected numbers from 0 to {_MOST_SPHERES}, found {text!r}")
+    return tuple(n for n in numbers if n > 0)
+
 
 @click.command("bench")
-@click.option("--scenes", metavar="A,B", help="Scenes to measure with: names or files; default: "
-              "glass-bench,phong-bench,vidro4.")  # fmt: skip
+@click.option("--scenes", metavar="A,B", help="Scenes to measure with: names or files; '': none; "
+              "default: glass-bench,phong-bench,vidro4.")  # fmt: skip
+@click.option("--spheres", metavar="N,N", callback=_as_numbers, help="Numbers of spheres to read, "
+              "sort and intersect; 0: none; default: 1000,100000,1000000.")  # fmt: skip
 @click.option("--repeat", type=click.IntRange(1), default=5, show_default=True,
               help="Runs, of which numbers are medians.")  # fmt: skip
 @options.scene_options
@@ -22,6 +40,7 @@ from crosstrace.harness.commands import options
 @options.quiet
 def command(
     scenes: str | None,
+    spheres: tuple[int, ...] | None,
     repeat: int,
     size: tuple[int, int] | None,
     delivery: int | None,
@@ -32,17 +51,20 @@ def command(
     """Measure the native tracer against Mitsuba, POV-Ray and Embree, on the same rays and images.
 
     Everything is measured in turn in one run, at 1080x1920 unless --size says otherwise. A ratio
-    above 1 means that the native tracer is faster; beside a peak it is the part that is reached.
+    above 1 means that the native tracer is faster, or the first of its two ways that a row names;
+    beside a peak it is the part that is reached.
     The exit status is 3 where something that was to be measured is missing or failed.
     """
-    from crosstrace.harness.bench.measure import SCENES, SIZE, bench
+    from crosstrace.harness.bench.measure import SCENES, SIZE, SPHERES, bench
     from crosstrace.harness.outcome import OK, RENDERER_FAILED
     from crosstrace.harness.sources import find
 
     names = SCENES if scenes is None else [it for it in scenes.split(",") if it]
-    sources = find(names, delivery=delivery, size=size or SIZE)
+    sources = find(names, delivery=delivery, size=size or SIZE) if names else []
     with console.progress(quiet, "measuring", counted=False) as bar:
-        record = bench(sources, repeat, timeout, lambda share, name: bar.update(share, 1.0, name))
+        crowds = SPHERES if spheres is None else spheres
+        record = bench(sources, crowds, repeat, timeout,
+                       lambda share, name: bar.update(share, 1.0, name))  # fmt: skip
     if as_json:
         console.json_result(record)
     else:

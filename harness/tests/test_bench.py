@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 from command_line import NO_POVRAY, call
 
-from crosstrace.harness.bench import embree, rows
-from crosstrace.harness.bench.measure import Runs
+from crosstrace.harness.bench import embree, intersection, native_frames, rows
 from crosstrace.harness.bench.rays import MOST_RAYS, of_picture
+from crosstrace.harness.bench.runs import Runs
+from crosstrace.harness.bench.spheres import text_of
 from crosstrace.harness.sources import find_one
+from crosstrace.translators.course import parse
 from crosstrace.translators.native.intersect import nearest
 
-TINY = ("bench", "--scenes", "glass-bench", "--size", "6x8", "--repeat", "2", "--quiet")
+TINY = ("bench", "--scenes", "glass-bench", "--size", "6x8", "--repeat", "2", "--spheres", "0",
+        "--quiet")  # fmt: skip
 NO_EMBREE = {"CROSSTRACE_EMBREE": "/nonexistent"}
 
 
@@ -24,7 +27,9 @@ def test_the_record_names_the_machine_and_every_comparison() -> None:
     assert done.returncode == 3, done.stderr
     record = json.loads(done.stdout)
     assert record["machine"]["cpu"] and record["machine"]["cores"] >= 1
-    assert record["settings"] == {"scenes": ["glass-bench"], "size": [[6, 8]], "repeat": 2}
+    assert record["settings"] == {
+        "scenes": ["glass-bench"], "spheres": [], "size": [[6, 8]], "repeat": 2,
+    }  # fmt: skip
     by_name = {row["name"]: row for row in record["rows"]}
     for row in record["rows"]:
         assert {"name", "ours", "theirs", "ratio", "unit"} <= set(row)
@@ -38,6 +43,62 @@ def test_the_record_names_the_machine_and_every_comparison() -> None:
     absent = [row for row in record["rows"] if "Embree" in row["name"]]
     assert len(absent) == 3 and {row["status"] for row in absent} == {"missing"}
     assert any("peak" in name for name in by_name)
+
+
+def test_frames_of_the_native_tracer_are_held_against_each_other() -> None:
+    """Two threads against one, vectors against scalars, certainty against both."""
+    source = find_one("glass-bench", size=(12, 16))
+    made = {row["name"]: row for row in native_frames.measure("x", source.scene, 2)}
+    scalar, certified = (
+        made["x: vector frame, scalar frame"],
+        made["x: certified frame, scalar frame"],
+    )
+    assert scalar["theirs"] == certified["theirs"] and len(certified["runs"]["ours"]) == 2
+    assert made["x: certified frame, vector frame"]["theirs"] == scalar["ours"]
+
+
+def test_a_crowd_of_spheres_is_read_sorted_and_met() -> None:
+    """Its rows stand beside the scenes', and Embree's way is the one ray by ray."""
+    done = call("bench", "--scenes", "", "--spheres", "300", "--repeat", "1", "--quiet", "--json")
+    record = json.loads(done.stdout)
+    assert record["settings"]["spheres"] == [300] and record["settings"]["scenes"] == []
+    names = [row["name"] for row in record["rows"]]
+    assert names[:2] == ["300 spheres: text read", "300 spheres: tree built"]
+    assert [name.split(", Embree")[0] for name in names[2:]] == [
+        f"300 spheres: {kind} rays" for kind in ("primary", "shadow", "mirrored")
+    ]
+    assert all(row["ours"] > 0 for row in record["rows"])
+    assert all(name.endswith(("single", "Embree")) for name in names[2:])
+
+
+def test_a_crowd_is_the_same_in_every_run_and_fills_the_picture() -> None:
+    """Its text is a scene of so many spheres, most of whose primary rays hit one."""
+    text = text_of(2000)
+    assert text == text_of(2000)
+    scene = parse(text)
+    assert len(scene) == 2000 and scene.is_sphere.all()
+    primary = of_picture(scene.resized(60, 107))[0]
+    hit = nearest(scene, primary.origins, primary.directions)[1]
+    assert 0.4 < (hit >= 0).mean() < 1
+    found = intersection.against_embree("x", scene, [primary], 1, ("single",))
+    for version, same in found[0].get("same_hits", {}).items():
+        assert same > 0.99, version
+
+
+def test_rays_come_tile_by_tile() -> None:
+    """As renderers trace them: the first 256 primary rays are of the picture's first corner."""
+    scene = find_one("phong-bench", size=(40, 70)).scene
+    primary = of_picture(scene)[0]
+    tile, whole = primary.directions[:, :256], primary.directions
+    assert np.ptp(tile, axis=1).max() < 0.5 * np.ptp(whole, axis=1).max()
+    assert len(np.unique(whole.T, axis=0)) == len(primary)
+
+
+@pytest.mark.parametrize("text", ["-1", "many", "1,,2", "1e9"])
+def test_a_crowd_that_is_no_number_is_wrong_usage(text: str) -> None:
+    """Nothing is measured then."""
+    done = call("bench", "--spheres", text)
+    assert done.returncode == 2 and "expected numbers" in done.stderr
 
 
 def test_the_table_fits_a_terminal() -> None:

@@ -153,15 +153,7 @@ def certify(
         raise UsageError("offset=bound has no meaning in real arithmetic: nothing to certify")
     wanted = None if pixels is None else np.ascontiguousarray(pixels, np.int64)
     shape = (scene.v_res, scene.h_res) if wanted is None else wanted.shape
-    arrays: dict[str, NDArray[Any]] = {
-        "lo": np.empty((*shape, 3)),
-        "hi": np.empty((*shape, 3)),
-        "pixel_class": np.empty(shape, np.uint8),
-        "decision": np.empty(shape, np.uint8),
-        "depth": np.empty(shape, np.int32),
-        "object": np.empty(shape, np.int32),
-        "level": np.empty(shape, np.uint8),
-    }
+    arrays = room(shape)
     settings = [*readings.items(), ("threads", str(threads)),
                 ("effects", str(effects(scene, readings).overall))]  # fmt: skip
     view = scene.native_view()
@@ -179,6 +171,19 @@ def certify(
     except RuntimeError as error:
         raise RendererError(f"certification: {error}") from None
     return Enclosures(**arrays, **some, closed=closed)
+
+
+def room(shape: tuple[int, ...]) -> dict[str, NDArray[Any]]:
+    """Return arrays for the enclosures of so many pixels, with anything in them."""
+    return {
+        "lo": np.empty((*shape, 3)),
+        "hi": np.empty((*shape, 3)),
+        "pixel_class": np.empty(shape, np.uint8),
+        "decision": np.empty(shape, np.uint8),
+        "depth": np.empty(shape, np.int32),
+        "object": np.empty(shape, np.int32),
+        "level": np.empty(shape, np.uint8),
+    }
 
 
 def violations(

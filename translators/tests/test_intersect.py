@@ -74,7 +74,7 @@ def test_a_tree_that_was_built_before_is_what_is_asked() -> None:
     scene.geometry.setflags(write=True)
     tree = _core.tree(scene.native_view(), None)
     scene.geometry[:, 2] += 100
-    origins = np.tile(scene.eye[:, None], 16) + [[0.0], [0.0], [100.0]]
+    origins = np.tile(scene.eye[:, None] + np.array([[0.0], [0.0], [100.0]]), 16)
     ways = np.tile([[0.0], [1.0], [0.0]], 16)
     assert (nearest(scene, origins, ways)[1] >= 0).all()
     assert (nearest(scene, origins, ways, tree=tree)[1] < 0).all()
