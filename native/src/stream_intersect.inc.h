@@ -7,6 +7,20 @@
  * 64, 128 and 256 (Zen 4, AVX-512). */
 enum { BLOCK_RAYS = 64 };
 
+/* With as many objects, blocks are as large as the tracer's bundles, and are asked only about what a
+ * bound around their rays meets. */
+enum { FEWEST_CULLED = 8 };
+
+/* The boxes around the origins and the directions of a block. */
+static void bound_block(const COLUMNS *origin, const COLUMNS *direction, size_t n, BOX *origins,
+                        BOX *directions) {
+  *origins = *directions = box_of_nothing();
+  for (size_t at = 0; at < n; at += N_LANES) {
+    box_take(origins, m_first(n - at), vs_load(origin, at));
+    box_take(directions, m_first(n - at), vs_load(direction, at));
+  }
+}
+
 /* Rays of a block against a tree: as a bundle, they list what they may meet. */
 static void intersect_with_tree(const STAGE *stage, const COLUMNS *origin, const COLUMNS *direction,
                                 size_t n, REAL *t, LANE_ID *object) {
@@ -14,11 +28,8 @@ static void intersect_with_tree(const STAGE *stage, const COLUMNS *origin, const
   uint32_t listed[LISTED];
   REAL from[LISTED];
   LIST list = {.shape = shape, .object = listed, .from = from};
-  BOX origins = box_of_nothing(), directions = box_of_nothing();
-  for (size_t at = 0; at < n; at += N_LANES) {
-    box_take(&origins, m_first(n - at), vs_load(origin, at));
-    box_take(&directions, m_first(n - at), vs_load(direction, at));
-  }
+  BOX origins, directions;
+  bound_block(origin, direction, n, &origins, &directions);
   list_targets(stage, &origins, &directions, &list);
   for (size_t at = 0; at < n; at += N_LANES) {
     HITS hits = nearest_in_tree(stage, &list, vs_load(origin, at), vs_load(direction, at), 0,
@@ -26,6 +37,18 @@ static void intersect_with_tree(const STAGE *stage, const COLUMNS *origin, const
     l_store(t + at, hits.t);
     i_store(object + at, hits.object);
   }
+}
+
+/* Rays of a block against every object, or those that they may meet: `may` has room for their
+ * bits. */
+static void intersect_in_turn(const STAGE *stage, const COLUMNS *origin, const COLUMNS *direction,
+                              size_t n, uint64_t *may, REAL *t, LANE_ID *object) {
+  BOX origins, directions;
+  if (may) {
+    bound_block(origin, direction, n, &origins, &directions);
+    find_targets(stage, &origins, &directions, may);
+  }
+  nearest_in_columns(stage, may ? may : stage->all, origin, direction, n, 0, t, object);
 }
 
 /* Asks for rays before their turn: at the end of every page, and there are six columns of them, the
@@ -45,7 +68,10 @@ static void FN(intersect)(const void *opaque, const ct_rays *rays, size_t passes
   const STAGE *stage = opaque;
   REAL part[6][N_LANES], near[BUNDLE_RAYS];
   LANE_ID id[BUNDLE_RAYS];
-  size_t most = stage->bvh ? BUNDLE_RAYS : BLOCK_RAYS;
+  int culls = !stage->bvh && stage->n_objects >= FEWEST_CULLED &&
+              stage->world->frame->options->search != CT_SEARCH_SCAN;
+  uint64_t *may = culls ? malloc(stage->n_words * sizeof *may) : NULL; /* NULL: everything */
+  size_t most = stage->bvh || may ? BUNDLE_RAYS : BLOCK_RAYS;
   for (size_t block = 0, n; block < rays->n; block += n) {
     COLUMNS c[2];
     size_t left = rays->n - block;
@@ -71,7 +97,7 @@ static void FN(intersect)(const void *opaque, const ct_rays *rays, size_t passes
       if (stage->bvh)
         intersect_with_tree(stage, c, c + 1, n, near, id);
       else
-        nearest_in_columns(stage, stage->all, c, c + 1, n, 0, near, id);
+        intersect_in_turn(stage, c, c + 1, n, may, near, id);
     for (size_t at = 0; at < n; at += N_LANES) {
       LANES found = l_load(near + at);
       l_store(near + at, l_blend(l_is_number(found), found, l_all((REAL)INFINITY)));
@@ -79,6 +105,7 @@ static void FN(intersect)(const void *opaque, const ct_rays *rays, size_t passes
     memcpy(t + block, near, n * sizeof *near);
     memcpy(object + block, id, n * sizeof *id);
   }
+  free(may);
 }
 
 /* As many chains as it takes to hide how long a product and a sum take; more would not fit the

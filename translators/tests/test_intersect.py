@@ -41,7 +41,7 @@ def test_every_instruction_set_finds_the_same_bits(
     t, hit, _ = nearest(scene, origins, ways, instructions="scalar")
     assert np.isinf(t[hit < 0]).all() and np.isfinite(t[hit >= 0]).all()
     for most in instruction_sets():
-        for search in ("scan", "tree"):
+        for search in ("scan", "tree", "auto"):
             found = nearest(scene, origins, ways, 1, most, search)
             assert found[0].tobytes() == t.tobytes()
             assert found[1].tobytes() == hit.tobytes()
