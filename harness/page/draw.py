@@ -25,7 +25,7 @@ from crosstrace.harness.outcome import outcome, sentence
 from crosstrace.harness.page import plots
 from crosstrace.harness.page.numbers import FILTERS
 from crosstrace.harness.page.payload import Payload, payload
-from crosstrace.harness.sources import hard_names
+from crosstrace.harness.sources import bench_names, hard_names
 from crosstrace.harness.spread import EDGES, TEXTS
 
 _STYLES = ("report.css", "overview.css", "viewer.css")
@@ -205,7 +205,7 @@ def _groups(scenes: Iterable[Mapping[str, Any]]) -> list[tuple[str, str, int]]:
 def _command(scene: Mapping[str, Any], run: Mapping[str, Any]) -> dict[str, str]:
     """Return the parts of a line that explains a pixel: before its row and column, and after."""
     # Where a file of the user's stands is not in the record.
-    by_name = scene["packaged"] or scene["name"] in hard_names()
+    by_name = scene["packaged"] or scene["name"] in (*hard_names(), *bench_names())
     name = scene["name"] if by_name else f"{scene['name']}.txt"
     options = [f"--set {shlex.quote(f'{k}={v}')}" for k, v in run["readings"].items()]
     if run.get("size"):

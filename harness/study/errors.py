@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrace.harness.display import to_8bit
+from crosstrace.harness.spread import quantile
 
 Array = NDArray[np.float64]
 
@@ -69,5 +70,4 @@ def _numbers(apart: Array, wrong: int | None) -> Error:
     # Scaled, so that the squares of float128's errors do not vanish.
     scale = float(worst.max()) or 1.0
     rmse = scale * float(np.sqrt(np.mean((apart / scale) ** 2)))
-    p999 = float(np.quantile(worst, 0.999, method="higher"))
-    return Error(float(worst.max()), rmse, p999, wrong)
+    return Error(float(worst.max()), rmse, quantile(worst), wrong)

@@ -140,6 +140,18 @@ def test_packaged_scenes_are_said_to_be_compositions_of_this_project(folder: Pat
     assert "own compositions" not in draw.page(report, folder)
 
 
+def test_the_line_that_explains_a_pixel_names_the_scene_as_the_command_knows_it(
+    folder: Path,
+) -> None:
+    """Every collection's scenes by name, others by a file's."""
+    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    scene = report["scenes"][1]
+    for name, told in (("glass-bench", None), ("acne", None), ("mine", "mine.txt")):
+        scene["name"] = name
+        text = html.unescape(draw.page(report, folder))
+        assert f'"crosstrace explain {told or name}"' in text, name
+
+
 def test_the_page_is_drawn_from_the_record_and_its_files_alone(folder: Path) -> None:
     """Drawn again, it is the same to the last byte."""
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
