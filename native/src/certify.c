@@ -15,6 +15,7 @@
 #include "parallel.h"
 #include "set.h"
 #include "set_stream.h"
+#include "tree.h"
 
 enum { N_LEVELS = 3, CHUNK = CT_SET_STREAM, RAYS_PER_PIXEL = 1 << 20 };
 /* Bytes of stack for one level of the recursion of the widest kernel. */

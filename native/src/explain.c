@@ -4,6 +4,7 @@
 #include "machine.h"
 #include "parallel.h"
 #include "recorder.h"
+#include "tree.h"
 
 typedef struct job {
   const void *world;

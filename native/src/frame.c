@@ -4,9 +4,6 @@
  * type of twice the width, and each result here is within a few units of that type's last place.
  */
 #include "frame.h"
-#include "parallel.h"
-#include "stream.h"
-#include "tree.h"
 
 #include <float.h>
 #include <math.h>
@@ -161,68 +158,6 @@ static size_t count_planes(const ct_scene_view *view) {
   size_t n = 0;
   for (size_t i = 0; i < view->n_objects; i++) n += view->kind[i] == CT_PLANE;
   return n;
-}
-
-/* From so many spheres on the tree pays, measured on clouds of spheres: 16 to 20 where rays are traced
- * one by one, 48 to 64 where streams ask an object for a vector of them. */
-enum { TREE_FOR_RAYS = 20, TREE_FOR_STREAMS = 64 };
-
-typedef struct sorting {
-  const ct_frame *frame;
-  size_t least;
-  ct_bvh *bvh;
-  atomic_int stop;
-} sorting;
-
-static void sort_in_thread(void *job, void *state, uint64_t begin, uint64_t end) {
-  sorting *s = job;
-  (void)state, (void)begin, (void)end;
-  const ct_frame *frame = s->frame;
-  size_t n = frame->view.n_objects;
-  /* The tests of these depend on more than the ray. */
-  uint8_t *is_apart = malloc(n + 1);
-  ct_status status = CT_ERR_MEMORY;
-  if (is_apart) {
-    memcpy(is_apart, frame->eye_on, n);
-    for (size_t k = 0; k < frame->n_lights_on; k++) is_apart[frame->lights_on[k].object] = 1;
-    status = ct_bvh_open(&frame->view, is_apart, s->least, &s->stop, &s->bvh);
-  }
-  free(is_apart);
-  int running = CT_OK;
-  if (status) atomic_compare_exchange_strong(&s->stop, &running, (int)status);
-}
-
-/* In a thread of its own, so that the calling one can be asked to stop. */
-ct_status ct_frame_build(const ct_frame *frame, size_t least, ct_progress progress, void *user,
-                         ct_bvh **out) {
-  sorting s = {.frame = frame, .least = least};
-  ct_work work = {.run = sort_in_thread, .job = &s, .n_items = 1, .chunk = 1,
-                  .stack_bytes = (size_t)2 << 20, .stop = &s.stop};
-  ct_status status = ct_parallel(&work, 1, progress, user, NULL);
-  if (status) {
-    ct_bvh_close(s.bvh);
-    s.bvh = NULL;
-  }
-  *out = s.bvh;
-  return status;
-}
-
-ct_status ct_frame_sort(ct_frame *frame, ct_progress progress, void *user) {
-  const ct_options *options = frame->options;
-  size_t n = frame->view.n_objects, least = 1;
-  if (options->search == CT_SEARCH_SCAN) return CT_OK;
-  if (options->search == CT_SEARCH_AUTO)
-    least = ct_stream_for(options) ? TREE_FOR_STREAMS : TREE_FOR_RAYS;
-  if (n < least) return CT_OK;
-  if (ct_tree_fits(options->tree, &frame->view)) {
-    frame->bvh = ct_tree_bvh(options->tree);
-    if (frame->bvh && frame->bvh->n_objects < least) frame->bvh = NULL;
-    return CT_OK;
-  }
-  ct_status status = ct_frame_build(frame, least, progress, user, &frame->own_bvh);
-  frame->bvh = frame->own_bvh;
-  if (status) ct_frame_close(frame);
-  return status;
 }
 
 ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_options *options) {

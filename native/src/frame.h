@@ -34,13 +34,6 @@ typedef struct ct_frame {
 ct_status ct_frame_open(ct_frame *frame, const ct_scene_view *view, const ct_options *options);
 void ct_frame_close(ct_frame *frame);
 
-/* Gives an open frame its tree, where there are objects enough for one: what a ray meets is found
- * either way. Progress as in ct_render: CT_ERR_CANCELLED. A failure closes the frame. */
-ct_status ct_frame_sort(ct_frame *frame, ct_progress progress, void *user);
-/* Builds the tree of an open frame, of at least so many spheres; *out is NULL otherwise. */
-ct_status ct_frame_build(const ct_frame *frame, size_t least, ct_progress progress, void *user,
-                         ct_bvh **out);
-
 static inline int ct_light_is_on(const ct_frame *frame, size_t light, size_t object) {
   for (size_t k = 0; k < frame->n_lights_on; k++)
     if (frame->lights_on[k].light == light && frame->lights_on[k].object == object) return 1;

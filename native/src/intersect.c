@@ -5,6 +5,7 @@
 
 #include "machine.h"
 #include "stream.h"
+#include "tree.h"
 
 static double cpu_seconds(void) {
   struct timespec now;

@@ -9,6 +9,7 @@
 #include "kernel.h"
 #include "machine.h"
 #include "parallel.h"
+#include "tree.h"
 
 extern const ct_kernel ct_kernel_f64_perturbed;
 

@@ -10,6 +10,7 @@
 #include "machine.h"
 #include "parallel.h"
 #include "stream.h"
+#include "tree.h"
 
 enum { TILE_SIDE = 16 };
 

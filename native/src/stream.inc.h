@@ -22,6 +22,9 @@
 #include "stream_tree.inc.h"
 #include "stream_store.inc.h"
 #include "stream_prune.inc.h"
+#include "stream_sight.inc.h"
+#include "stream_light.inc.h"
+#include "stream_shade.inc.h"
 #include "stream_trace.inc.h"
 
 /* The ways of the rays through the centres of a rectangle of pixels (specification 2.3), or points
