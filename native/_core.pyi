@@ -98,8 +98,8 @@ def intersect(
     Returns the processor time in seconds that they took, without what is done once for a scene.
 
     `origins` and `directions` are (3, n) float64, directions of length 1; `outputs` are t (n,)
-    float64, infinite where nothing is hit, and object (n,) int64, then -1. Each block of a few
-    hundred rays is traced `passes` times. `tree` is what `tree` made of the same arrays; without it
+    float64, infinite where nothing is hit, and object (n,) int64, then -1. Each block of
+    some rays is traced `passes` times. `tree` is what `tree` made of the same arrays; without it
     one is built wherever `render` would. Raises as `render`.
     """
 

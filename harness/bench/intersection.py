@@ -6,7 +6,7 @@ same order; the peak is of products and sums of rays that stay in the processor'
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 from crosstrace.harness.bench import embree, rows
@@ -35,12 +35,13 @@ def against_embree(
     scene: Scene,
     picture: Iterable[Rays],
     repeat: int,
-    modes: Sequence[str] = (),
     tree: Any = None,
+    also: str = "",
 ) -> list[dict[str, Any]]:
-    """Return a row for each kind of rays: ours against the fastest of Embree's modes, or of those.
+    """Return a row for each kind of rays, ours against the fastest of Embree's modes.
 
-    `tree` is what `_core.tree` made of the scene.
+    `tree` is what `_core.tree` made of the scene. One more row for each kind is against the mode
+    `also` of any version.
     """
     others, absent = [], "the package embreex (extra `bench`) or libembree3-3 is not installed"
     for library in embree.libraries():
@@ -48,25 +49,34 @@ def against_embree(
             others.append(embree.Embree(library, scene))
         except (OSError, AttributeError) as error:
             absent = str(error)
-    asked = [(e, mode) for e in others for mode in e.modes if not modes or mode in modes]
+    asked = [(e, mode) for e in others for mode in e.modes]
     made = []
     for rays in picture:
         ours, theirs = Runs(), {(e.version, mode): Runs() for e, mode in asked}
         agreement: dict[str, float] = {}
         for turn in range(repeat + 1):
             _, hit, seconds = nearest(scene, rays.origins, rays.directions, tree=tree)
-            rates = [(ours, len(rays) / seconds / 1e6)]
+            rates = [(ours, _millions(len(rays), seconds))]
             for e, mode in asked:
                 found, seconds = e.nearest(mode, rays)
-                rates.append((theirs[e.version, mode], len(rays) / seconds / 1e6))
-                agreement[e.version] = float((found == hit).mean())
+                rates.append((theirs[e.version, mode], _millions(len(rays), seconds)))
+                same = float((found == hit).mean())
+                agreement[e.version] = min(same, agreement.get(e.version, 1.0))
             if turn > 0:
                 for into, value in rates:
                     into.values.append(value)
         made.append(rows.embree(name, rays.kind, ours, theirs, agreement, absent))
+        some = {key: runs for key, runs in theirs.items() if key[1] == also}
+        if some:
+            made.append(rows.embree(name, rays.kind, ours, some, agreement, absent))
     for e in others:
         e.close()
     return made
+
+
+def _millions(n: int, seconds: float) -> float:
+    """Return millions a second; a clock that has not moved has moved by a nanosecond."""
+    return n / max(seconds, 1e-9) / 1e6
 
 
 def _peaks(name: str, scene: Scene, rays: Rays, repeat: int) -> list[dict[str, Any]]:
@@ -78,6 +88,6 @@ def _peaks(name: str, scene: Scene, rays: Rays, repeat: int) -> list[dict[str, A
             _, _, seconds = nearest(scene, rays.origins, rays.directions, PASSES, it, "scan")
             peak = peak_flops(it) / 1e9
             if turn > 0:
-                resident[it].values.append(PASSES * n / seconds / 1e9)
+                resident[it].values.append(_millions(PASSES * n, seconds) / 1e3)
                 peaks[it].values.append(peak)
     return [rows.peak(name, it, resident[it], peaks[it]) for it in sets]

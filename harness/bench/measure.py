@@ -2,7 +2,7 @@
 
 All that is compared is measured in one run, one after the other in every turn, so that whatever
 else the machine does meets both sides; a first turn warms kernels, caches and pages and does not
-count. Rows hold medians, and every run is kept.
+count. Rows hold medians, and every run is kept. What fails is a row that says so.
 """
 
 from __future__ import annotations
@@ -11,13 +11,17 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from crosstrace.harness import alone
-from crosstrace.harness.bench import frames, intersection, native_frames, spheres
+from crosstrace.harness.bench import frames, intersection, native_frames, rows, spheres
 from crosstrace.harness.jobs import Task
 from crosstrace.harness.sources import Source
+from crosstrace.translators.errors import CrosstraceError
 
 #: Scenes, size and numbers of spheres, unless asked otherwise.
 SCENES, SIZE = ("glass-bench", "phong-bench", "vidro4"), (1080, 1920)
 SPHERES = (1_000, 100_000, 1_000_000)
+
+#: A limit is of one frame, and what runs in a worker is about so many of them in every turn.
+_FRAMES_A_TURN = 8
 
 Told = Callable[[float, str], None]
 
@@ -39,10 +43,14 @@ def bench(
     total = len(sources) + len(crowds)
 
     def in_a_worker(
-        affinity: str, function: Callable[..., Any], *args: Any
+        affinity: str, function: Callable[..., Any], name: str, *args: Any
     ) -> list[dict[str, Any]]:
-        task = Task(function, affinity, timeout_s=timeout_s, label="measuring")
-        found: list[dict[str, Any]] = alone.call(task, *args)
+        limit_s = timeout_s * _FRAMES_A_TURN * (repeat + 1)
+        task = Task(function, affinity, timeout_s=limit_s, label="measuring")
+        try:
+            found: list[dict[str, Any]] = alone.call(task, name, *args, repeat)
+        except CrosstraceError as error:
+            return [rows.failed(name, error)]
         return found
 
     for i, source in enumerate(sources):
@@ -51,14 +59,14 @@ def bench(
             told((begin + share) / total, name)
 
         part(0.0)
-        made += in_a_worker("bench", native_frames.measure, source.name, source.scene, repeat)
+        made += in_a_worker("bench", native_frames.measure, source.name, source.scene)
         part(0.3)
         made += frames.measure(source, repeat, timeout_s, lambda share: part(0.3 + 0.5 * share))
-        made += in_a_worker("bench", intersection.measure, source.name, source.scene, repeat)
+        made += in_a_worker("bench", intersection.measure, source.name, source.scene)
     for i, n in enumerate(crowds, len(sources)):
         name = spheres.name_of(n)
         told(i / total, name)
-        made += in_a_worker(name, spheres.measure, n, repeat)
+        made += in_a_worker(name, spheres.measure, name, n)
     told(1.0, "")
     settings = {
         "scenes": [source.name for source in sources],

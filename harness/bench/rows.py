@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from crosstrace.harness.bench.runs import Runs
+from crosstrace.harness.bench.runs import Runs
 
 
 def rate(scene: str, one: Runs, n_rays: int) -> dict[str, Any]:
@@ -23,6 +22,13 @@ def rate(scene: str, one: Runs, n_rays: int) -> dict[str, Any]:
 def own(name: str, ours: Runs, unit: str) -> dict[str, Any]:
     """What nothing else is held against."""
     return _row(name, ours.values, [], unit, ours)
+
+
+def failed(name: str, error: Exception) -> dict[str, Any]:
+    """What has no numbers, and why."""
+    runs = Runs()
+    runs.fail("failed", str(error))
+    return _row(name, [], [], "", runs)
 
 
 def against(name: str, ours: Runs, theirs: Runs) -> dict[str, Any]:

@@ -23,9 +23,6 @@ _MATERIAL = "0.2 0.7 0 1 0 0 1"
 #: With fewer, what every process holds is more than theirs.
 _MANY = 100_000
 
-#: The way of asking Embree that is ours: ray after ray, whatever their order.
-MODES = ("single",)
-
 
 def name_of(n: int) -> str:
     """Return the name of a crowd in a table."""
@@ -51,10 +48,13 @@ def text_of(n: int) -> str:
     return head + "\n".join(spheres) + "\n255 255 255\n1\n200 200 200 -30 -40 50\n"
 
 
-def measure(n: int, repeat: int) -> list[dict[str, Any]]:
+def measure(name: str, n: int, repeat: int) -> list[dict[str, Any]]:
     """Return the rows of a crowd; to be called in a process that has done nothing else."""
-    name, text = name_of(n), text_of(n).encode()
-    peak = Runs([_bytes_at_most(text) / n])
+    text = text_of(n).encode()
+    held = []
+    if n >= _MANY:
+        peak = Runs([_bytes_at_most(text) / n])
+        held.append(rows.own(f"{name}: memory at most, a sphere", peak, "bytes"))
     reading, sorting, tree = Runs(), Runs(), None
     scene = parse(text, name)
     for _ in range(repeat):
@@ -65,17 +65,19 @@ def measure(n: int, repeat: int) -> list[dict[str, Any]]:
         began = time.process_time()
         tree = _core.tree(scene.native_view(), None)
         sorting.values.append(time.process_time() - began)
-    held = [rows.own(f"{name}: memory at most, a sphere", peak, "bytes")]
     return [
         rows.own(f"{name}: text read", reading, "MB/s"),
         rows.own(f"{name}: tree built", sorting, "s"),
-        *(held if n >= _MANY else []),
-        *against_embree(name, scene, of_picture(scene), repeat, MODES, tree),
+        *held,
+        *against_embree(name, scene, of_picture(scene), repeat, tree, also="single"),
     ]
 
 
 def _bytes_at_most(text: bytes) -> float:
-    """Return by how much memory grows from the text to the end of a frame of a few pixels."""
+    """Return by how much memory grows from the text in it to the end of a frame of a few pixels.
+
+    The first frame of a process: what a later one takes may have been given back before.
+    """
     with PeakMemory() as before:
         pass
     with PeakMemory() as peak:

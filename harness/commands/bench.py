@@ -50,19 +50,22 @@ def command(
 ) -> int:
     """Measure the native tracer against Mitsuba, POV-Ray and Embree, on the same rays and images.
 
-    Everything is measured in turn in one run, at 1080x1920 unless --size says otherwise. A ratio
-    above 1 means that the native tracer is faster, or the first of its two ways that a row names;
-    beside a peak it is the part that is reached.
+    Everything is measured in turn in one run, scenes at 1080x1920 unless --size says otherwise. A
+    ratio above 1 means that the native tracer is faster, or the first of its two ways that a row
+    names; beside a peak it is the part that is reached.
     The exit status is 3 where something that was to be measured is missing or failed.
     """
     from crosstrace.harness.bench.measure import SCENES, SIZE, SPHERES, bench
     from crosstrace.harness.outcome import OK, RENDERER_FAILED
     from crosstrace.harness.sources import find
+    from crosstrace.translators.errors import UsageError
 
     names = SCENES if scenes is None else [it for it in scenes.split(",") if it]
     sources = find(names, delivery=delivery, size=size or SIZE) if names else []
+    crowds = SPHERES if spheres is None else spheres
+    if not sources and not crowds:
+        raise UsageError("expected scenes or numbers of spheres, found neither")
     with console.progress(quiet, "measuring", counted=False) as bar:
-        crowds = SPHERES if spheres is None else spheres
         record = bench(sources, crowds, repeat, timeout,
                        lambda share, name: bar.update(share, 1.0, name))  # fmt: skip
     if as_json:
@@ -76,7 +79,8 @@ def _print(record: dict[str, Any]) -> None:
     machine = record["machine"]
     console.result(f"{machine['cpu']}, cores: {machine['cores']}; {machine['compiler']}")
     sizes = {f"{rows}x{columns}" for rows, columns in record["settings"]["size"]}
-    console.result(f"{', '.join(sorted(sizes))}, medians of {record['settings']['repeat']} runs")
+    medians = f"medians of {record['settings']['repeat']} runs"
+    console.result(", ".join([*sorted(sizes), medians]))
     console.result("")
     numbers = ("ours", "theirs", "ratio")
     table = [

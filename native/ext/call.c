@@ -5,6 +5,14 @@
 
 #include "core.h"
 
+int call_take_tree(call *c, PyObject *tree) {
+  if (tree == Py_None) return 0;
+  const ct_tree *built = PyCapsule_GetPointer(tree, "ct_tree");
+  if (!built) return -1;
+  ct_options_set_tree(c->options, built);
+  return 0;
+}
+
 void call_release(call *c) {
   while (c->n_buffers > 0) PyBuffer_Release(&c->buffers[--c->n_buffers]);
   ct_options_free(c->options);

@@ -57,16 +57,9 @@ PyObject *core_render(PyObject *module, PyObject *arguments) {
   return result;
 }
 
-int call_take_tree(call *c, PyObject *tree) {
-  if (tree == Py_None) return 0;
-  const ct_tree *built = PyCapsule_GetPointer(tree, "ct_tree");
-  if (!built) return -1;
-  ct_options_set_tree(c->options, built);
-  return 0;
-}
-
 static void free_tree(PyObject *capsule) {
   ct_tree_free(PyCapsule_GetPointer(capsule, "ct_tree"));
+  Py_XDECREF(PyCapsule_GetContext(capsule));
 }
 
 PyObject *core_tree(PyObject *module, PyObject *arguments) {
@@ -85,6 +78,9 @@ PyObject *core_tree(PyObject *module, PyObject *arguments) {
   call_release(&c);
   if (call_raise(status) != 0) return NULL;
   PyObject *capsule = PyCapsule_New(tree, "ct_tree", free_tree);
-  if (!capsule) ct_tree_free(tree);
+  if (!capsule)
+    ct_tree_free(tree);
+  else /* the tree is known by its arrays' addresses: nothing else may come to stand there */
+    PyCapsule_SetContext(capsule, Py_NewRef(scene));
   return capsule;
 }

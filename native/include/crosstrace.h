@@ -223,8 +223,8 @@ typedef struct ct_rays {
 } ct_rays;
 
 /* The nearest hit of each ray and nothing else, by the code that ct_render meets objects with, in
- * the calling thread: the distance (infinity: none) and the object (-1). Blocks of a few hundred
- * rays are traced `passes` times each: with more than one, memory counts for less. Two options are
+ * the calling thread: the distance (infinity: none) and the object (-1). Blocks of some rays
+ * are traced `passes` times each: with more than one, memory counts for less. Two options are
  * heeded besides those of ct_render's hits: instructions, and CT_ERR_OPTION for a precision other
  * than f64. *seconds, unless it is NULL, becomes the processor time that the rays took, without
  * what is done once for a scene. */

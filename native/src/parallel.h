@@ -13,7 +13,7 @@ typedef struct ct_work {
   ct_chunk run;
   void *job;
   uint64_t n_items, chunk; /* a call of run does `chunk` items, the last one what is left */
-  uint64_t claim;          /* chunks that a thread takes one after another; 0: one */
+  uint64_t claim;          /* chunks that a thread takes in a row, at most; 0: one */
   size_t stack_bytes;
   /* One state a thread, made and given back in that thread; both may be NULL. */
   void *(*enter)(void *job);

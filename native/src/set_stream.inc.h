@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ALWAYS_INLINE static inline __attribute__((always_inline))
-#define NOT_INLINE static __attribute__((noinline))
+#define INLINE static inline __attribute__((always_inline))
+#define APART static __attribute__((noinline))
 
 #include "bvh_walk.h"
 #include "kernel.h"
@@ -55,10 +55,10 @@ static const SOLID *solid_at(const SWORLD *world, size_t index, SOLID *room) {
 }
 
 /* The light of the hits of one solid, and their secondary rays. */
-ALWAYS_INLINE void shade(const SWORLD *world, SIGHT *sight, const STREAM *rays, int at, int is_last,
-                         const VI o[3], const VI d[3], const VS3 *d_signed, const NEAREST *nearest,
-                         const SOLID *solid, MASK lanes, VI color[3], CHILD *mirrored,
-                         CHILD *refracted, MASK *bad) {
+INLINE void shade(const SWORLD *world, SIGHT *sight, const STREAM *rays, int at, int is_last,
+                  const VI o[3], const VI d[3], const VS3 *d_signed, const NEAREST *nearest,
+                  const SOLID *solid, MASK lanes, VI color[3], CHILD *mirrored, CHILD *refracted,
+                  MASK *bad) {
   const WORLD *base = world->base;
   IV3 flat = base_of(base, solid->object);
   VI sum[3] = {vi_from(flat.x), vi_from(flat.y), vi_from(flat.z)};
@@ -84,8 +84,8 @@ static inline void load_rays(const STREAM *rays, int at, VI o[3], VI d[3]) {
 }
 
 /* What rays hit. Leaves in `lanes` those in which that is certain, and adds the others to `bad`. */
-ALWAYS_INLINE NEAREST find_hits(const SWORLD *world, SIGHT *sight, const VI o[3], const VI d[3],
-                                int64_t depth, MASK *lanes, MASK *bad) {
+INLINE NEAREST find_hits(const SWORLD *world, SIGHT *sight, const VI o[3], const VI d[3],
+                         int64_t depth, MASK *lanes, MASK *bad) {
   MIDDLE q;
   MASK doubt;
   *bad = m_or(*bad, m_but(*lanes, middle_of(o, d, &q)));
@@ -99,10 +99,9 @@ ALWAYS_INLINE NEAREST find_hits(const SWORLD *world, SIGHT *sight, const VI o[3]
 }
 
 /* The light of all hits of a vector, solid by solid. */
-ALWAYS_INLINE void shade_hits(const SWORLD *world, SIGHT *sight, const STREAM *rays, int at,
-                              int is_last, const VI o[3], const VI d[3], const NEAREST *nearest,
-                              MASK lanes, COLORS *out, CHILD *mirrored, CHILD *refracted,
-                              MASK *bad) {
+INLINE void shade_hits(const SWORLD *world, SIGHT *sight, const STREAM *rays, int at, int is_last,
+                       const VI o[3], const VI d[3], const NEAREST *nearest, MASK lanes,
+                       COLORS *out, CHILD *mirrored, CHILD *refracted, MASK *bad) {
   const IV3 *back = &world->base->background;
   VI color[3] = {vi_from(back->x), vi_from(back->y), vi_from(back->z)};
   VS3 d_signed = vs3_of(d);
@@ -128,8 +127,8 @@ static void clear_colors(COLORS *out, int at) {
 }
 
 /* The next two are not inlined, so that a level of the recursion does not hold what they need. */
-NOT_INLINE void trace_vector(const SWORLD *world, BATCH *batch, const STREAM *rays, int at,
-                             int64_t depth, COLORS *out, CHILD *mirrored, CHILD *refracted) {
+APART void trace_vector(const SWORLD *world, BATCH *batch, const STREAM *rays, int at,
+                        int64_t depth, COLORS *out, CHILD *mirrored, CHILD *refracted) {
   SIGHT everything;
   everything.culls = 0;
   everything.targets = ~UINT64_C(0);
@@ -147,8 +146,8 @@ NOT_INLINE void trace_vector(const SWORLD *world, BATCH *batch, const STREAM *ra
 }
 
 /* First what all of the rays hit: then what cannot stand before a light is known for all. */
-NOT_INLINE void trace_in_sight(const SWORLD *world, BATCH *batch, const STREAM *rays,
-                               int64_t depth, COLORS *out, CHILD *mirrored, CHILD *refracted) {
+APART void trace_in_sight(const SWORLD *world, BATCH *batch, const STREAM *rays, int64_t depth,
+                          COLORS *out, CHILD *mirrored, CHILD *refracted) {
   enum { N_VECTORS = ROOM / N_LANES };
   SIGHT sight;
   NEAREST nearest[N_VECTORS];

@@ -83,7 +83,7 @@ static int cone_of_feelers(const BOX *hits, double error, double epsilon, const 
   if (!(cone->radius * 1.25 < cone->length)) return 0;
   for (int k = 0; k < 3; k++) cone->axis[k] /= cone->length;
   cone->spread = -cone->radius / cone->length;
-  /* Five times what middle_to_light says of the worst, or more. */
+  /* More than middle_to_light says of the worst: no light is nearer than a fifth of the length. */
   double nearest = cone->length * 0.125, n = (length3(light) + cone->length) * 4 + epsilon;
   double ed = (error / nearest) * 16 + 64 * LANE_U;
   bound_errors(cone, n, (error * 8 + ed * epsilon) + n * (64 * LANE_U), ed);
@@ -175,18 +175,17 @@ static inline void note_hits(SIGHT *sight, const MIDDLE *q, const NEAREST *neare
 /* The bits of the solids that may stand before a light. */
 static uint64_t blockers_of(const SWORLD *world, SIGHT *sight, size_t light) {
   if (!sight->culls || light >= CULLED_LIGHTS) return ~UINT64_C(0);
+  /* Rays start aside of the hits there, by more than the errors that a cone knows. */
+  if (world->base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) return ~UINT64_C(0);
   if (sight->known >> light & 1) return sight->blockers[light];
   const ct_frame *frame = world->base->frame;
   double far = greatest_of_all(sight->farthest), wide = greatest_of_all(sight->widest);
   double error = (sight->eo * 2 + far * (sight->ed * 2)) +
                  (wide * 2 + (sight->n + far) * (16 * LANE_U));
-  double aside = 0;
-  if (world->base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA)
-    aside = (sight->n + far + 1) * (4 * SET_MITSUBA_RAY);
   CONE cone;
   sight->known |= UINT64_C(1) << light;
   sight->blockers[light] =
-      cone_of_feelers(&sight->hits, error + aside, world->base->epsilon.hi,
+      cone_of_feelers(&sight->hits, error, world->base->epsilon.hi,
                       frame->view.lights + light * CT_LIGHT_COLUMNS + 3, &cone)
           ? solids_in(world, &cone)
           : ~UINT64_C(0);

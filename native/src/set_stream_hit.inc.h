@@ -178,8 +178,8 @@ static inline void offer_plane(NEAREST *best, const VI o[3], const VI d[3], cons
 }
 
 /* Among the solids of `may` and the tree. `bad`: lanes in which the answer is not certain. */
-ALWAYS_INLINE NEAREST nearest_of(const SWORLD *world, uint64_t may, const VI o[3], const VI d[3],
-                                 const MIDDLE *q, int is_primary, MASK lanes, MASK *bad) {
+INLINE NEAREST nearest_of(const SWORLD *world, uint64_t may, const VI o[3], const VI d[3],
+                          const MIDDLE *q, int is_primary, MASK lanes, MASK *bad) {
   LANES infinity = l_all((double)INFINITY);
   IDS none = i_all(-1);
   NEAREST best = {.object = none, .n = -infinity, .h = infinity, .t = infinity, .root = infinity,

@@ -102,8 +102,8 @@ static inline MASK middle_to_light(const double *light, const VI way[3], const L
   return complete_middle(q);
 }
 
-NOT_INLINE void add_light(const SWORLD *world, SIGHT *sight, const HITS *hit, size_t j, MASK lanes,
-                          VI sum[3], MASK *bad) {
+APART void add_light(const SWORLD *world, SIGHT *sight, const HITS *hit, size_t j, MASK lanes,
+                     VI sum[3], MASK *bad) {
   const WORLD *base = world->base;
   size_t object = hit->solid->object;
   const double *m = base->view->material + object * CT_MATERIAL_COLUMNS;

@@ -70,9 +70,8 @@ static int is_apart(const SWORLD *world, const SOLID *solid) {
 }
 
 /* What of the tree stands there, but for the sphere that the rays leave, if that is in it. */
-static __attribute__((noinline)) void add_tree_shadows(const SWORLD *world, const MIDDLE *q,
-                                                       const SOLID *own, LANES least, VI limit,
-                                                       MASK lanes, SHADOW *shadow) {
+APART void add_tree_shadows(const SWORLD *world, const MIDDLE *q, const SOLID *own, LANES least,
+                            VI limit, MASK lanes, SHADOW *shadow) {
   LANES error;
   MASK known = knows_tree(world, q, &error);
   shadow->possible = m_or(shadow->possible, m_but(lanes, known));

@@ -77,8 +77,7 @@ static inline SOLID sphere_in_tree(const SWORLD *world, size_t i) {
 }
 
 /* Offers what of the tree may be nearest, and returns the lanes that it was asked for. */
-static __attribute__((noinline)) MASK offer_tree(const SWORLD *world, const MIDDLE *q, MASK lanes,
-                                                 NEAREST *best) {
+APART MASK offer_tree(const SWORLD *world, const MIDDLE *q, MASK lanes, NEAREST *best) {
   LANES error;
   MASK known = m_and(lanes, knows_tree(world, q, &error));
   size_t first;

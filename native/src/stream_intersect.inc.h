@@ -9,7 +9,7 @@ enum { BLOCK_RAYS = 64 };
 
 /* With as many objects, blocks are as large as the tracer's bundles, and are asked only about what a
  * bound around their rays meets. */
-enum { FEWEST_CULLED = 8 };
+enum { FEWEST_BOUNDED = 8 };
 
 /* The boxes around the origins and the directions of a block. */
 static void bound_block(const COLUMNS *origin, const COLUMNS *direction, size_t n, BOX *origins,
@@ -68,7 +68,7 @@ static void FN(intersect)(const void *opaque, const ct_rays *rays, size_t passes
   const STAGE *stage = opaque;
   REAL part[6][N_LANES], near[BUNDLE_RAYS];
   LANE_ID id[BUNDLE_RAYS];
-  int culls = !stage->bvh && stage->n_objects >= FEWEST_CULLED &&
+  int culls = !stage->bvh && stage->n_objects >= FEWEST_BOUNDED &&
               stage->world->frame->options->search != CT_SEARCH_SCAN;
   uint64_t *may = culls ? malloc(stage->n_words * sizeof *may) : NULL; /* NULL: everything */
   size_t most = stage->bvh || may ? BUNDLE_RAYS : BLOCK_RAYS;

@@ -64,6 +64,32 @@ def test_many_spheres_are_found_through_their_tree() -> None:
         assert np.array_equal(found[0], t) and np.array_equal(found[1], hit)
 
 
+@pytest.mark.parametrize("n_spheres", [7, 8, 40, 62])
+@pytest.mark.parametrize("n", [1, 255, 256, 1000])
+def test_objects_that_a_narrow_block_passes_by_are_left_out_without_a_trace(
+    n_spheres: int, n: int
+) -> None:
+    """Too few for a tree: rays that keep together meet what the scalar kernel says, planes too."""
+    rng = np.random.default_rng(n_spheres)
+    scene = Scene.build(
+        delivery=1, v_res=2, h_res=2, pixel_size=0.1, screen_distance=1, eye=(0, -9, 0),
+        target=(0, 0, 0), up=(0, 0, 1), background=(0, 0, 0),
+        objects=[
+            plane((9, 9, 9), (0, 0, -4), (0, 0, 1)), plane((9, 9, 9), (0, 30, 0), (0, -1, 0.2)),
+            *(sphere((9, 9, 9), at, 0.6) for at in rng.uniform(-4, 4, (n_spheres, 3))),
+        ],
+    )  # fmt: skip
+    origins, ways = _rays(scene, n, n_spheres)
+    towards = rng.normal(size=(3, 1)) * [[0.3], [0], [0.3]] + [[0.0], [1.0], [0.0]]
+    narrow = towards + 0.1 * ways
+    narrow = np.ascontiguousarray(narrow / np.linalg.norm(narrow, axis=0))
+    t, hit, _ = nearest(scene, origins, narrow, instructions="scalar", search="scan")
+    assert n == 1 or (hit >= 0).any()
+    for most in instruction_sets():
+        found = nearest(scene, origins, narrow, instructions=most)
+        assert found[0].tobytes() == t.tobytes() and found[1].tobytes() == hit.tobytes()
+
+
 def test_a_tree_that_was_built_before_is_what_is_asked() -> None:
     """Spheres that have moved since then are not found where they are now: the tree was used."""
     scene = Scene.build(
