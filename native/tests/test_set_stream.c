@@ -8,7 +8,7 @@
 #include "random.h"
 #include "set_stream.h"
 
-enum { MOST_OBJECTS = 12, MOST_LIGHTS = 3, SIDE = 21, N_PIXELS = SIDE * SIDE };
+enum { USUAL_OBJECTS = 12, MOST_OBJECTS = 80, MOST_LIGHTS = 3, SIDE = 21, N_PIXELS = SIDE * SIDE };
 
 static uint8_t kind[MOST_OBJECTS];
 static double color[MOST_OBJECTS * 3], material[MOST_OBJECTS * CT_MATERIAL_COLUMNS];
@@ -79,7 +79,7 @@ static ct_scene_view random_scene(void) {
   }
   v.eye[1] -= 7 * scale;
   v.up[2] = 1;
-  v.n_objects = 1 + (size_t)(uniform() * MOST_OBJECTS);
+  v.n_objects = 1 + (size_t)(uniform() * (one_in(15) ? MOST_OBJECTS : USUAL_OBJECTS));
   v.n_lights = (size_t)(uniform() * (MOST_LIGHTS + 1));
   for (size_t i = 0; i < v.n_objects; i++) random_object(i, scale, away);
   for (size_t j = 0; j < v.n_lights; j++)
@@ -101,8 +101,8 @@ static void random_options(ct_options *options) {
   if (one_in(4)) ct_options_set_effects(options, (unsigned)(uniform() * 256));
 }
 
-/* Rounding upward: by the stream for these options, `step` pixels after one another in a batch. */
-static int enclose(const ct_frame *frame, int64_t step, known *out) {
+/* Rounding upward: by the stream for these options, every `step`-th pixel in batches of so many. */
+static int enclose(const ct_frame *frame, int64_t step, int most, known *out) {
   const ct_set_stream *stream = ct_set_stream_for(frame);
   const atomic_int stop = 0;
   const ct_set_limits limits = {1, 1 << 16, &stop};
@@ -111,12 +111,12 @@ static int enclose(const ct_frame *frame, int64_t step, known *out) {
   memset(out, 0xff, sizeof *out);
   fesetround(FE_UPWARD);
   CHECK(stream->open(frame, &world) == CT_OK);
-  for (int64_t begin = 0; begin < N_PIXELS; begin += CT_SET_STREAM) {
+  for (int64_t begin = 0; begin < N_PIXELS; begin += most) {
     int64_t pixels[CT_SET_STREAM];
     ct_set_batch batch;
     int n = 0;
     /* step has no factor in common with N_PIXELS, so that every pixel comes up. */
-    for (; n < CT_SET_STREAM && begin + n < N_PIXELS; n++)
+    for (; n < most && begin + n < N_PIXELS; n++)
       pixels[n] = (begin + n) * step % N_PIXELS;
     stream->batch(world, pixels, n, &limits, &batch);
     for (int i = 0; i < n; i++) {
@@ -239,12 +239,13 @@ int main(int argc, char **argv) {
     ct_options *options = ct_options_new();
     random_options(options);
     CHECK(ct_frame_open(&frame, &view, options) == CT_OK);
-    if (enclose(&frame, 1, &first)) {
+    if (enclose(&frame, 1, CT_SET_STREAM, &first)) {
       const char *set;
       for (size_t k = 0; (set = ct_instructions_name(k)) != NULL; k++) {
         CHECK(ct_options_set_instructions(options, set, &fault) == CT_OK);
-        /* In another order, too: a pixel's bits are its own. */
-        CHECK(enclose(&frame, k % 2 ? 1 : 10, &again));
+        /* In another order, and alone or with few others, too: a pixel's bits are its own. */
+        static const int sizes[] = {CT_SET_STREAM, 1, 9};
+        CHECK(enclose(&frame, k % 2 ? 1 : 10, sizes[k % 3], &again));
         CHECK(memcmp(&first, &again, sizeof first) == 0);
       }
       for (size_t p = 0; p < N_PIXELS; p++) n_closed += !first.open[p];
