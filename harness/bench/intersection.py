@@ -69,7 +69,8 @@ def against_embree(
         some = {key: runs for key, runs in theirs.items() if key[1] == also}
         if some:
             more = rows.embree(name, rays.kind, ours, some, agreement, absent)
-            made += [more] if more["name"] != made[-1]["name"] else []
+            if more["name"] != made[-1]["name"]:
+                made.append(more)
     for e in others:
         e.close()
     return made

@@ -22,35 +22,33 @@ from crosstrace.translators.scene import Scene
 def measure(name: str, scene: Scene, repeat: int) -> list[dict[str, Any]]:
     """Return the rows of a scene; to be called in a process that does nothing else."""
     image, enclosures = np.zeros(scene.shape), timing.room_for_enclosures(scene)
-    one, one_wall, two, scalar, certified = (Runs() for _ in range(5))
-    n_rays = 0
-
-    def alone() -> timing.Timed:
-        return timing.frame(scene, image)
-
     ways: dict[str, Callable[[], timing.Timed]] = {
-        "one": alone,
-        "two": lambda: timing.frame(scene, image, threads=2),
+        "one": lambda: timing.frame(scene, image),
         "scalar": lambda: timing.frame(scene, image, instructions="scalar"),
         "certified": lambda: timing.certified_frame(scene, enclosures),
     }
-    if available_cores() < 2:
-        del ways["two"]
+    if available_cores() > 1:
+        ways["two"] = lambda: timing.frame(scene, image, threads=2)
+    timed: dict[str, list[timing.Timed]] = {key: [] for key in ways}
     for turn in range(repeat + 1):
-        found = {key: run() for key, run in ways.items()}
-        n_rays = found["one"].n_rays
-        if turn == 0:
-            continue
-        one.values.append(found["one"].processor_s)
-        one_wall.values.append(found["one"].wall_s)
-        scalar.values.append(found["scalar"].processor_s)
-        certified.values.append(found["certified"].processor_s)
-        if "two" in found:
-            two.values.append(found["two"].wall_s)
-    made = [rows.rate(name, one, n_rays)]
-    if two.values:
-        made.append(rows.threads(name, one_wall, two))
-    made.append(rows.against(f"{name}: vector frame, scalar frame", one, scalar))
-    made.append(rows.against(f"{name}: certified frame, scalar frame", certified, scalar))
-    made.append(rows.against(f"{name}: certified frame, vector frame", certified, one))
-    return made
+        for key, run in ways.items():
+            found = run()
+            if turn > 0:
+                timed[key].append(found)
+
+    def processor(key: str) -> Runs:
+        return Runs([it.processor_s for it in timed[key]])
+
+    def wall(key: str) -> Runs:
+        return Runs([it.wall_s for it in timed[key]])
+
+    one, scalar, certified = map(processor, ("one", "scalar", "certified"))
+    made = [rows.rate(name, one, timed["one"][0].n_rays)]
+    if "two" in ways:
+        made.append(rows.threads(name, wall("one"), wall("two")))
+    return [
+        *made,
+        rows.against(f"{name}: vector frame, scalar frame", one, scalar),
+        rows.against(f"{name}: certified frame, scalar frame", certified, scalar),
+        rows.against(f"{name}: certified frame, vector frame", certified, one),
+    ]

@@ -32,18 +32,18 @@ def failed(name: str, error: Exception) -> dict[str, Any]:
 
 
 def against(name: str, ours: Runs, theirs: Runs) -> dict[str, Any]:
-    """Processor time of one thread in seconds, of two of our own ways."""
+    """Seconds of ours against others, or of two of our own ways."""
     return _row(name, ours.values, theirs.values, "s", ours, theirs)
 
 
 def threads(scene: str, one: Runs, two: Runs) -> dict[str, Any]:
     """Frames on two threads (ours) against one: 2 is the best that can be."""
-    return _row(f"{scene}: 2 threads for 1", two.values, one.values, "s", two, one)
+    return against(f"{scene}: 2 threads for 1", two, one)
 
 
 def frame(scene: str, lane: str, ours: Runs, theirs: Runs) -> dict[str, Any]:
     """Frames on all cores, in the same image size, of warm renderers."""
-    return _row(f"{scene}: frame, {lane}", ours.values, theirs.values, "s", ours, theirs)
+    return against(f"{scene}: frame, {lane}", ours, theirs)
 
 
 def embree(

@@ -15,7 +15,6 @@ from crosstrace.harness.memory import PeakMemory
 from crosstrace.native import _core
 from crosstrace.translators.course import parse
 from crosstrace.translators.native import timing
-from crosstrace.translators.scene import Scene
 
 _ROWS, _COLUMNS = 1080, 1920
 _MATERIAL = "0.2 0.7 0 1 0 0 1"
@@ -81,10 +80,6 @@ def _bytes_at_most(text: bytes) -> float:
     with PeakMemory() as before:
         pass
     with PeakMemory() as peak:
-        _frame(parse(text))
+        small = parse(text).resized(54, 96)
+        timing.frame(small, np.zeros(small.shape))
     return (peak.mib - before.mib) * 2**20
-
-
-def _frame(scene: Scene) -> None:
-    small = scene.resized(54, 96)
-    timing.frame(small, np.zeros(small.shape))

@@ -30,13 +30,10 @@ PyObject *core_intersect(PyObject *module, PyObject *arguments) {
                         &direction, &passes, &PyDict_Type, &arrays, &tree) ||
       call_open(&c, scene, settings, Py_None) != 0)
     return NULL;
-  if (call_take_tree(&c, tree) != 0) {
-    call_release(&c);
-    return NULL;
-  }
   if (n < 0 || passes < 1) {
     PyErr_SetString(PyExc_ValueError, "expected a number of rays and at least one pass");
-  } else if (open_columns(&c, origin, n, "origin", rays.origin) == 0 &&
+  } else if (call_take_tree(&c, tree) == 0 &&
+             open_columns(&c, origin, n, "origin", rays.origin) == 0 &&
              open_columns(&c, direction, n, "direction", rays.direction) == 0 &&
              call_open_outputs(&c, arrays, table, 2, n, &out) == 0) {
     rays.n = (size_t)n;

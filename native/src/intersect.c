@@ -13,6 +13,19 @@ static double cpu_seconds(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+static void meet_one_by_one(const ct_kernel *kernel, const void *world, const ct_rays *rays,
+                            size_t passes, double *t_world, int64_t *object) {
+  for (size_t pass = 0; pass < passes; pass++)
+    for (size_t k = 0; k < rays->n; k++) {
+      double origin[3], direction[3];
+      for (int i = 0; i < 3; i++) {
+        origin[i] = rays->origin[i][k];
+        direction[i] = rays->direction[i][k];
+      }
+      kernel->nearest(world, origin, direction, t_world + k, object + k);
+    }
+}
+
 ct_status ct_intersect(const ct_scene_view *view, const ct_options *options, const ct_rays *rays,
                        size_t passes, double *t_world, int64_t *object, double *seconds) {
   if (!view || !options || !rays || !t_world || !object || passes == 0) return CT_ERR_ARGUMENT;
@@ -28,23 +41,14 @@ ct_status ct_intersect(const ct_scene_view *view, const ct_options *options, con
   if (!status) status = ct_frame_sort(&frame, NULL, NULL);
   if (!status) {
     status = stream ? stream->open(&frame, &world) : kernel->open(&frame, &world);
-    double started = cpu_seconds();
-    if (!status && stream) {
-      stream->intersect(world, rays, passes, t_world, object);
+    if (!status) {
+      double started = cpu_seconds();
+      if (stream)
+        stream->intersect(world, rays, passes, t_world, object);
+      else
+        meet_one_by_one(kernel, world, rays, passes, t_world, object);
       if (seconds) *seconds = cpu_seconds() - started;
-      stream->close(world);
-    } else if (!status) {
-      for (size_t pass = 0; pass < passes; pass++)
-        for (size_t k = 0; k < rays->n; k++) {
-          double origin[3], direction[3];
-          for (int i = 0; i < 3; i++) {
-            origin[i] = rays->origin[i][k];
-            direction[i] = rays->direction[i][k];
-          }
-          kernel->nearest(world, origin, direction, t_world + k, object + k);
-        }
-      if (seconds) *seconds = cpu_seconds() - started;
-      kernel->close(world);
+      (stream ? stream->close : kernel->close)(world);
     }
     ct_frame_close(&frame);
   }

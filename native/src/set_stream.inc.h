@@ -76,13 +76,6 @@ INLINE void shade(const SWORLD *world, SIGHT *sight, const STREAM *rays, int at,
   for (int k = 0; k < 3; k++) color[k] = vi_select(lanes, sum[k], color[k]);
 }
 
-static inline void load_rays(const STREAM *rays, int at, VI o[3], VI d[3]) {
-  for (int k = 0; k < 3; k++) {
-    o[k] = vi(l_load(rays->origin[k] + at), l_load(rays->origin[3 + k] + at));
-    d[k] = vi(l_load(rays->direction[k] + at), l_load(rays->direction[3 + k] + at));
-  }
-}
-
 /* What rays hit. Leaves in `lanes` those in which that is certain, and adds the others to `bad`. */
 INLINE NEAREST find_hits(const SWORLD *world, SIGHT *sight, const VI o[3], const VI d[3],
                          int64_t depth, MASK *lanes, MASK *bad) {

@@ -118,10 +118,10 @@ static uint64_t solids_in(const SWORLD *world, const CONE *cone) {
 /* What the rays of a stream can meet. */
 typedef struct SET_FN(sight) {
   int culls;                        /* 0: everything may stand anywhere */
-  uint64_t targets;                /* bits of solids */
+  uint64_t targets;                 /* bits of solids */
   uint64_t blockers[CULLED_LIGHTS]; /* as far as `known` says */
-  uint64_t known;                  /* bits of lights */
-  double n, eo, ed;                /* bounds of |o|, and of the errors of o and d */
+  uint64_t known;                   /* bits of lights */
+  double n, eo, ed;                 /* bounds of |o|, and of the errors of o and d */
   BOX hits;
   LANES farthest, widest; /* of the hits: distance, and how well it is known */
 } SIGHT;
@@ -140,9 +140,8 @@ static void look(const SWORLD *world, const STREAM *rays, SIGHT *sight) {
   for (int at = 0; at < rays->n; at += N_LANES) {
     MASK lanes = m_first((size_t)(rays->n - at));
     VI o[3], d[3];
+    load_rays(rays, at, o, d);
     for (int k = 0; k < 3; k++) {
-      o[k] = vi(l_load(rays->origin[k] + at), l_load(rays->origin[3 + k] + at));
-      d[k] = vi(l_load(rays->direction[k] + at), l_load(rays->direction[3 + k] + at));
       eo = l_greater_where(lanes, o[k].n + o[k].h, eo);
       ed = l_greater_where(lanes, d[k].n + d[k].h, ed);
     }
@@ -178,7 +177,6 @@ static uint64_t blockers_of(const SWORLD *world, SIGHT *sight, size_t light) {
   /* Rays start aside of the hits there, by more than the errors that a cone knows. */
   if (world->base->choice[CT_OFFSET] == CT_OFFSET_MITSUBA) return ~UINT64_C(0);
   if (sight->known >> light & 1) return sight->blockers[light];
-  const ct_frame *frame = world->base->frame;
   double far = greatest_of_all(sight->farthest), wide = greatest_of_all(sight->widest);
   double error = (sight->eo * 2 + far * (sight->ed * 2)) +
                  (wide * 2 + (sight->n + far) * (16 * LANE_U));
@@ -186,7 +184,7 @@ static uint64_t blockers_of(const SWORLD *world, SIGHT *sight, size_t light) {
   sight->known |= UINT64_C(1) << light;
   sight->blockers[light] =
       cone_of_feelers(&sight->hits, error, world->base->epsilon.hi,
-                      frame->view.lights + light * CT_LIGHT_COLUMNS + 3, &cone)
+                      world->base->view->lights + light * CT_LIGHT_COLUMNS + 3, &cone)
           ? solids_in(world, &cone)
           : ~UINT64_C(0);
   return sight->blockers[light];

@@ -37,6 +37,13 @@ typedef struct SET_FN(stream) {
   const ct_medium *medium[ROOM]; /* but for nesting=relative */
 } STREAM;
 
+static inline void load_rays(const STREAM *rays, int at, VI o[3], VI d[3]) {
+  for (int k = 0; k < 3; k++) {
+    o[k] = vi(l_load(rays->origin[k] + at), l_load(rays->origin[3 + k] + at));
+    d[k] = vi(l_load(rays->direction[k] + at), l_load(rays->direction[3 + k] + at));
+  }
+}
+
 /* What all rays of a batch share. */
 typedef struct SET_FN(batch) {
   const ct_set_limits *limits;

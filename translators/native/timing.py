@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from crosstrace.native import _core
 from crosstrace.translators.effects import effects
 from crosstrace.translators.native.truth import TOLERANCE, room
+from crosstrace.translators.renderer import RAY_KINDS
 from crosstrace.translators.scene import Scene
 
 
@@ -32,8 +33,7 @@ def frame(
     began = _now()
     found = _core.render(scene.native_view(), settings, {"image": image}, None)
     wall, processor = _now()
-    kinds = ("primary", "shadow", "reflected", "refracted")
-    return Timed(wall - began[0], processor - began[1], sum(found[kind] for kind in kinds))
+    return Timed(wall - began[0], processor - began[1], sum(found[kind] for kind in RAY_KINDS))
 
 
 def room_for_enclosures(scene: Scene) -> dict[str, NDArray[Any]]:
@@ -44,9 +44,9 @@ def room_for_enclosures(scene: Scene) -> dict[str, NDArray[Any]]:
     return arrays
 
 
-def certified_frame(scene: Scene, arrays: dict[str, NDArray[Any]], threads: int = 1) -> Timed:
-    """Enclose every pixel, in all the arithmetics that it takes, into `room_for_enclosures`."""
-    settings = _settings(scene, threads)
+def certified_frame(scene: Scene, arrays: dict[str, NDArray[Any]]) -> Timed:
+    """Enclose every pixel on one thread, in all the arithmetics that it takes, into the arrays."""
+    settings = _settings(scene, threads=1)
     began = _now()
     _core.certify(scene.native_view(), settings, None, TOLERANCE, 0.0, arrays, None)
     wall, processor = _now()
